@@ -10,7 +10,7 @@ ci: fmt-check spell clippy doc test demo-check package-list first-run determinis
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
-nightly: package features test-drawing deny verify stress determinism-wasm (fuzz "60")
+nightly: package features test-drawing verify stress determinism-wasm (fuzz "60") deny
 
 # What contributors run while they work: formatting, spelling, clippy, and the tests of the core and the plugin.
 quick: fmt-check spell clippy

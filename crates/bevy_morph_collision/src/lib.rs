@@ -79,7 +79,8 @@
 //! ```
 //!
 //! A [`continuous`](MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
-//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else.
+//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else. [`MorphSelfCollisions`] reports
+//! where a mesh intersects itself.
 //!
 //! ## Ask about the surface
 //!
@@ -154,9 +155,9 @@
 //!    its pose to the current weights and joint matrices.
 //! 3. **Broad phase** (`broad_phase`, `continuous`): finds pairs of colliders whose world-space boxes overlap and that
 //!    [`MorphCollisionLayers`] and [`MorphCollisionMode`]s allow.
-//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `impact`, `body_pairs`): finds exact triangle pairs and contacts and stores them
-//!    in [`MorphCollisions`], by collider and by body.
-//! 5. **Events** (`events`, `body_events`, `changes`): reports which contacts of colliders and bodies started or ended since the
+//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `impact`, `body_pairs`, `self_collisions`): finds exact triangle pairs and
+//!    contacts and stores them in [`MorphCollisions`], by collider and by body. Finds where meshes intersect themselves.
+//! 5. **Events** (`events`, `body_events`, `changes`, `self_collisions`): reports which contacts of colliders and bodies started or ended since the
 //!    last run, and updates [`MorphCollidingEntities`].
 //! 6. **Anchors** (`anchors`): moves entities with a [`MorphSurfaceAnchor`] to where their triangle is drawn; always in
 //!    [`PostUpdate`](bevy::prelude::PostUpdate).

@@ -5,7 +5,7 @@
 //! - `MorphCollisionStart` on a *plate* tells you which part was hit by which ball.
 //! - `MorphBodyCollisionStart` on the *boss* fires once per volley. Play the sound there.
 //!
-//! To run it: `cargo run -p bevy_morph_collision --example boss_armour`
+//! To run it: `cargo run -p bevy_morph_collision --features cookbook --example boss_armour`
 //!
 //! For your game, replace `plate` with glTF meshes that have targets for dents, and `volley` with whatever your players throw.
 

@@ -3,7 +3,7 @@
 //! No zones are painted. Eyeballs, teeth and tongue are ranges of triangles. A point on the skin is named after the target that moves it most: what `jawOpen`
 //! moves is the jaw, what `noseSneerLeft` moves is the left side of the nose. Pins mark the hits and follow the moving skin.
 //!
-//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example face_zones`
+//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook --example face_zones`
 //!
 //! For your game, replace:
 //!

@@ -3,7 +3,7 @@
 //! Collisions run with the game, in `FixedPostUpdate`. A ray from above finds the place for the hat once. From then on `MorphSurfaceAnchor` keeps the hat there in
 //! every drawn frame, even in frames without a fixed step. Use the same component for decals, sparks or sweat.
 //!
-//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example hat`
+//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook --example hat`
 //!
 //! For your game, replace `HEAD` (any glTF with morph targets or a skeleton works), the hat, and `nod`.
 

@@ -1,7 +1,7 @@
 //! A loading screen: a bar grows while models are loaded and their collision trees are built. Then the game starts, and everything collides from its first
 //! frame on.
 //!
-//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example loading_screen`
+//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook --example loading_screen`
 //!
 //! For your game, replace `MODELS`, the bar, and what `start` does. A mesh that cannot be used counts as done, and the log says why. If a file is missing, the
 //! game waits for it forever.

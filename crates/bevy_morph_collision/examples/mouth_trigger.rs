@@ -3,7 +3,7 @@
 //! You need no trigger volume that follows the mouth: the mouth itself is the trigger. A meatball is eaten if it touches teeth or tongue first, and bounces off if
 //! it touches skin first. The lips cover the teeth exactly when they are drawn that way.
 //!
-//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example mouth_trigger`
+//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook --example mouth_trigger`
 //!
 //! For your game, replace:
 //!

@@ -3,7 +3,7 @@
 //! The character comes from a glTF file with a skeleton and morph targets. Put a `MorphRapierScene` on its root, and Rapier treats the character like any other
 //! collider. You do not need to fit capsules to limbs.
 //!
-//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features rapier --example rapier_character`
+//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook,rapier --example rapier_character`
 //!
 //! For your game, replace `CHARACTER`, `CLIP` and `rain`. Your `Cargo.toml` needs `bevy_morph_collision = { version = "0.1", features = ["rapier"] }`.
 

@@ -105,6 +105,8 @@ pub(super) fn trace(method: Method, batch: u64, (ccd, speed): (bool, f32), alone
             }
         }
     });
+    let (through, left) = fates(places.iter().copied());
+    println!("batch {batch}: {through} fell through, {left} left over the rim");
     for ((i, (drop, trace)), &place) in (first..).zip(drops.iter().zip(&traces)).zip(&places) {
         if fates([place].into_iter()).0 > 0 {
             println!("batch {batch}, body {i}: {drop:?}");

@@ -1,5 +1,6 @@
 //! Meshes that intersect themselves.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -212,4 +213,32 @@ fn several_meshes_are_compared_at_once() {
         .map(|&collider| !list(&app, collider).regions().is_empty());
     let touching: Vec<bool> = touching.collect();
     assert_eq!(touching, [false, false, false, false, false, true, true, true]);
+}
+
+#[test]
+fn disabled_entities_and_replaced_lists_end_their_regions() {
+    let (mut app, collider) = stage(&[0.0, 2.0], MorphSelfCollisions::default());
+    set_weight(&mut app, collider, 0.6);
+    let mut messages = Messages::default();
+    assert_eq!(messages.run(&mut app), (vec![0], vec![]));
+    app.world_mut().entity_mut(collider).insert(Disabled);
+    assert_eq!(messages.run(&mut app), (vec![], vec![0]));
+    app.world_mut().entity_mut(collider).remove::<Disabled>();
+    assert_eq!(messages.run(&mut app), (vec![1], vec![]));
+    app.world_mut()
+        .entity_mut(collider)
+        .insert(MorphSelfCollisions::default());
+    assert_eq!(messages.run(&mut app), (vec![2], vec![1]));
+    // A copy starts its own regions.
+    let copy = app.world_mut().entity_mut(collider).clone_and_spawn();
+    for _ in 0..3 {
+        app.update();
+    }
+    assert_eq!(list(&app, copy).regions().len(), 1);
+    messages = Messages::default();
+    messages.run(&mut app);
+    set_weight(&mut app, copy, 0.0);
+    assert_eq!(messages.run(&mut app).1.len(), 1);
+    app.world_mut().entity_mut(collider).remove::<MorphSelfCollisions>();
+    assert_eq!(messages.run(&mut app), (vec![], vec![2]));
 }

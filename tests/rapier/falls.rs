@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::drops::{Kind, above, batch_of_drops, bowl, fates, waves};
-use morph_collision_workspace::physics::{DT, body, settle};
+use morph_collision_workspace::physics::{DT, body, settle, sheet};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -101,4 +101,65 @@ fn bodies_that_turn_fast_stay_on_a_waving_bowl() {
         run(&mut app, 1);
     }
     assert_eq!(fates(bodies.iter().map(|&body| place(&app, body))), (0, 0));
+}
+
+#[test]
+fn fast_boxes_land_flat() {
+    let mut app = app();
+    spawn(&mut app, &sheet(32), ());
+    settle(&mut app);
+    for (i, speed) in [3.0, 6.0, 10.0, 20.0].into_iter().enumerate() {
+        let at = Vec3::new(-2.0 + 1.2 * i as f32, 0.8, 0.13);
+        let flat = body(&mut app, Collider::cuboid(0.4, 0.2, 0.4), at);
+        app.world_mut()
+            .entity_mut(flat)
+            .insert(Velocity::linear(Vec3::new(0.0, -speed, 0.0)));
+        let mut most: f32 = 0.0;
+        for _ in 0..60 {
+            run(&mut app, 1);
+            let up = app.world().get::<Transform>(flat).expect("it has a place").up();
+            most = most.max(up.angle_between(Vec3::Y));
+        }
+        println!("at {speed}/s it tilts by {most}, and ends at {}", place(&app, flat));
+        assert!(most < 0.05, "at {speed}/s it tilts by {most}");
+        assert!((place(&app, flat).y - 0.2).abs() < 0.01, "{}", place(&app, flat));
+    }
+}
+
+/// Whether a body sleeps.
+fn sleeps(app: &App, body: Entity) -> bool {
+    app.world()
+        .get::<Sleeping>(body)
+        .is_some_and(|sleeping| sleeping.sleeping)
+}
+
+/// A body that is allowed to sleep, after it has fallen asleep.
+fn sleeper(app: &mut App, collider: Collider, at: Vec3) -> Entity {
+    let sleeper = body(app, collider, at);
+    app.world_mut().entity_mut(sleeper).insert(Sleeping::default());
+    for _ in 0..600 {
+        run(app, 1);
+        if sleeps(app, sleeper) {
+            return sleeper;
+        }
+    }
+    panic!("it never sleeps");
+}
+
+#[test]
+fn triangles_of_a_sleeper_that_disappears_are_given_to_others() {
+    let mut app = app();
+    // Two triangles.
+    spawn(&mut app, &sheet(1), ());
+    settle(&mut app);
+    let asleep = sleeper(&mut app, Collider::cuboid(0.2, 0.2, 0.2), Vec3::new(0.5, 0.2, 0.3));
+    let awake = body(&mut app, Collider::cuboid(0.2, 0.2, 0.2), Vec3::new(-0.5, 0.2, -0.3));
+    app.world_mut().entity_mut(awake).insert(Sleeping::disabled());
+    run(&mut app, 60);
+    assert!(sleeps(&app, asleep));
+    app.world_mut().despawn(asleep);
+    for _ in 0..60 {
+        run(&mut app, 1);
+        assert!(place(&app, awake).y > 0.19, "{}", place(&app, awake));
+    }
 }

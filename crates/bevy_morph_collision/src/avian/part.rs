@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use parry3d::shape::{SharedShape, Triangle, TrianglePseudoNormals};
 
 use crate::physics::part::{Bodies, Placed};
-use crate::physics::triangles::{Patch, Triangles};
+use crate::physics::triangles::{Ahead, Patch, Triangles};
 
 /// A part of a [`MorphAvianCollider`](crate::MorphAvianCollider)'s surface, near a body that may move.
 ///
@@ -114,6 +114,7 @@ impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
             triangles,
             stepping: self.stepping.clone(),
             reach: placed.reach,
+            ahead: Ahead::default(),
             velocity: [placed.linear, placed.angular],
         }));
         let there = part

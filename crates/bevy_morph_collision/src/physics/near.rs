@@ -32,7 +32,7 @@ pub(crate) struct Nearby<C, B, P> {
     layout: Arc<MeshLayout>,
     near: HashMap<C, Near<B, P>>,
     step: u32,
-    /// The colliders whose parts may change in this step, and those of the last step.
+    /// The colliders near the surface in this step and in the last one, without those that sleep on settled parts.
     looked: [Vec<C>; 2],
     /// Whether triangles near any of them were searched in this step.
     searched: bool,
@@ -153,7 +153,9 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
     /// Whether all parts stay as they are, because nothing has moved and the same colliders are near the same triangles.
     pub(crate) fn stays(&self, following: &Following) -> bool {
         let [now, before] = &self.looked;
-        !following.moves && !self.searched && now == before && self.near.values().all(Near::is_settled)
+        // Those that are not near any more may have left triangles to others.
+        let is_same = |near: &Near<B, P>| near.seen == self.step && near.is_settled();
+        !following.moves && !self.searched && now == before && self.near.values().all(is_same)
     }
 
     /// Begins to assign triangles to parts. While nothing moves, triangles under sleeping bodies are not given to other
@@ -281,17 +283,6 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
     #[cfg(feature = "avian")]
     pub(crate) fn moves_near(&self, collider: C) -> bool {
         self.near.get(&collider).is_some_and(|near| !near.is_settled())
-    }
-
-    /// Calculates how far each part has to look ahead: as far as the fastest of some colliders moves that may touch it. These are
-    /// given by the boxes in which they stay during the step, and how far they move.
-    #[cfg(feature = "rapier")]
-    pub(crate) fn look_ahead(&self, fast: &[(Aabb, Real)], mut set: impl FnMut(&P, Real)) {
-        for near in self.near.values() {
-            let meeting = fast.iter().filter(|(bounds, _)| bounds.intersects(&near.region));
-            let reach = meeting.map(|&(_, travel)| travel).fold(0.0, Real::max);
-            near.parts.iter().for_each(|part| set(&part.body, reach));
-        }
     }
 
     /// Forgets colliders that went away.

@@ -1,7 +1,7 @@
 //! A few triangles of a mesh as a shape for Parry's own algorithms.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use parry3d::bounding_volume::{Aabb, BoundingSphere, BoundingVolume};
 use parry3d::mass_properties::MassProperties;
@@ -205,10 +205,26 @@ pub(crate) struct Patch {
     pub(crate) triangles: Triangles,
     /// Set while a step is in progress. The part exists only then.
     pub(crate) stepping: Arc<AtomicBool>,
-    /// The distance at which it prepares contacts, if that is more than usual. Its box is larger by this than its triangles.
+    /// How much larger its box is than its triangles.
     pub(crate) reach: Real,
+    /// How far ahead it prepares contacts in this step, besides the usual distance; at most `reach`.
+    pub(crate) ahead: Ahead,
     /// Its linear and angular velocity in the step, per second, about its origin.
     pub(crate) velocity: [Vector; 2],
+}
+
+/// A distance that can be set without telling the engine that the shape has changed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ahead(Arc<AtomicU32>);
+
+impl Ahead {
+    pub(crate) fn set(&self, distance: Real) {
+        self.0.store(distance.to_bits(), Ordering::Relaxed);
+    }
+
+    pub(crate) fn get(&self) -> Real {
+        Real::from_bits(self.0.load(Ordering::Relaxed))
+    }
 }
 
 impl Patch {

@@ -9,6 +9,7 @@ use bevy_rapier3d::parry::query::{
 use bevy_rapier3d::parry::shape::Shape;
 
 use super::gathered::{Gathered, is_ground, is_quiet, until_past, widening};
+use super::landing::keep_outermost;
 use super::side::keep_side;
 use super::sweep::sweep_part;
 use crate::physics::inside::one_is_in_the_other;
@@ -261,11 +262,15 @@ where
         } else {
             Gathered::along(pos12, Vector::ZERO, g1, g2, prediction, true)
         };
-        let ahead = |shape: &dyn Shape| shape.as_shape::<Patch>().map_or(0.0, |patch| patch.reach);
-        let prediction = prediction.max(ahead(g1)).max(ahead(g2));
+        let ahead = |shape: &dyn Shape| shape.as_shape::<Patch>().map_or(0.0, |patch| patch.ahead.get());
+        // Rapier's distance includes the motion of the part.
+        let ahead = ahead(g1) + ahead(g2);
         let (g1, g2) = near.as_ref().map_or((g1, g2), |near| near.shapes(g1, g2));
-        DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace)?;
+        DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction + ahead, manifolds, workspace)?;
         keep_side(pos12, g1, g2, manifolds);
+        if ahead > 0.0 {
+            keep_outermost(prediction, manifolds);
+        }
         Ok(())
     }
 

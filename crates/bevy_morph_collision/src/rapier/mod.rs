@@ -1,7 +1,7 @@
 //! Physics with `bevy_rapier3d`: rigid bodies rest on morphing and skinned meshes, are pushed and carried by them, and Rapier's
 //! queries see the meshes. Rapier's character controllers walk on them.
 //!
-//! - `dispatcher`, `gathered`, `side`, `sweep`: answer Rapier's questions about two shapes, one of which is a surface or part of one.
+//! - `dispatcher`, `gathered`, `landing`, `side`, `sweep`: answer Rapier's questions about two shapes, one of which is a surface or part of one.
 //! - `scene`, `attach`: decide which meshes have a surface.
 //! - `frames`: remembers the poses with which they are drawn.
 //! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
@@ -27,6 +27,7 @@ mod forces;
 mod frames;
 mod gathered;
 mod ground;
+mod landing;
 mod link;
 mod obstacles;
 mod part;

@@ -12,7 +12,7 @@ use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, ColliderBuilder, Col
 use super::link::{Carrier, Link};
 use super::world::{Manners, World};
 use crate::physics::part::{Bodies, Placed};
-use crate::physics::triangles::{Patch, Triangles};
+use crate::physics::triangles::{Ahead, Patch, Triangles};
 
 /// The handles of a part in Rapier.
 pub(super) struct PartHandles {
@@ -89,6 +89,7 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
             triangles: Triangles::new(Vec::new(), corners, normals),
             stepping: self.stepping.clone(),
             reach: 0.0,
+            ahead: Ahead::default(),
             velocity: [linear, angular],
         };
         let Some(collider) = world.colliders.get_mut(part.collider) else {

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use bevy_rapier3d::parry::shape::Shape;
 use bevy_rapier3d::prelude::ContactForceEvent;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
-use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet};
+use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 
 use super::expel::{drive_apart, drive_out};
@@ -179,7 +180,7 @@ impl Pushing {
             blended += self.near.push(visitor, following, &step.pace, &mut bodies);
         }
         self.near.forget(|part| world.remove(part.body));
-        self.look_ahead(world.colliders);
+        self.look_ahead(world);
         if let Some(carrier) = carrier {
             self.leave_out_unlinked(carrier, world.colliders);
         } else {
@@ -206,21 +207,33 @@ impl Pushing {
         blended
     }
 
-    /// Makes parts prepare contacts with all that may reach them during the step.
-    fn look_ahead(&mut self, colliders: &mut ColliderSet) {
+    /// Makes parts prepare contacts with the fast bodies that may reach them during the step.
+    fn look_ahead(&mut self, world: &mut World) {
         if self.fast.is_empty() && !self.looked_ahead {
             return;
         }
         self.looked_ahead = !self.fast.is_empty();
-        self.near.look_ahead(&self.fast, |part, reach| {
-            let patch = |collider: &Collider| Some(collider.shape().as_shape::<Patch>()?.reach);
-            if colliders.get(part.collider).and_then(patch) != Some(reach)
-                && let Some(collider) = colliders.get_mut(part.collider)
+        for part in self.near.parts() {
+            let (Some(body), Some(collider)) = (world.bodies.get(part.body), world.colliders.get(part.collider)) else {
+                continue;
+            };
+            let Some(patch) = collider.shape().as_shape::<Patch>() else {
+                continue;
+            };
+            // How far the part itself moves.
+            let moves = body.soft_ccd_prediction();
+            let bounds = patch.triangles.compute_aabb(body.position()).loosened(moves);
+            let meeting = self.fast.iter().filter(|(fast, _)| fast.intersects(&bounds));
+            let ahead = meeting.map(|&(_, ahead)| ahead).fold(0.0, f32::max);
+            patch.ahead.set(ahead);
+            // A change of the collider wakes what sleeps on it, so the box never shrinks.
+            if patch.reach < ahead
+                && let Some(collider) = world.colliders.get_mut(part.collider)
                 && let Some(patch) = collider.shape_mut().as_shape_mut::<Patch>()
             {
-                patch.reach = reach;
+                patch.reach = ahead;
             }
-        });
+        }
         self.fast.clear();
     }
 

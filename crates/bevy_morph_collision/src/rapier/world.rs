@@ -173,9 +173,6 @@ impl Movers {
 
 /// A body that moves by less than this in a step, relative to its smallest extent, overlaps a surface so little when it arrives
 /// that contacts push it back out.
-const LITTLE: f32 = 0.1;
-
-/// A body whose middle moves by more than this in a step, relative to its smallest extent, is swept.
 const FAR: f32 = 0.25;
 
 /// How far a body moves in a step that takes it to `next`, and how far any point of its collider moves, at most. `bounds` is around
@@ -233,8 +230,9 @@ fn find_movers(
                     bounds: bounds.loosened(shape.contact_skin()),
                     asleep,
                 },
-                ahead: if travel > LITTLE * thin {
-                    travel.min(MARGIN * shape.shape().ccd_thickness())
+                // Not less if it moves less far: then boxes would grow in small steps, and each change costs.
+                ahead: if travel > FAR * thin {
+                    MARGIN * shape.shape().ccd_thickness()
                 } else {
                     0.0
                 },

@@ -15,6 +15,7 @@ use tracing::debug_span;
 
 use super::regions::{Changes, replace};
 use super::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
+use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, Form};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::events::MorphCollisionEventsEnabled;
@@ -23,6 +24,8 @@ use crate::settings::MorphCollisionSettings;
 /// The plugin's state for one [`MorphSelfCollisions`].
 #[derive(Component, Default)]
 pub(crate) struct SelfState {
+    /// The regions that the list had after the last run. The game may have replaced the list since.
+    listed: Vec<u32>,
     query: SelfQuery,
     pairs: Vec<TrianglePair>,
     /// What the regions are the answer to. `None` if the collider takes no part.
@@ -131,6 +134,8 @@ impl Job<'_> {
             Some(body),
             &mut state.next_region,
         );
+        state.listed.clear();
+        state.listed.extend(list.regions.iter().map(|region| region.region));
         state.points.clear();
         state.points.extend(list.regions.iter().map(|region| region.point));
         put(list, state, self.place);
@@ -161,27 +166,38 @@ fn run_all(jobs: Vec<Job<'_>>) {
     }
 }
 
-/// The mesh of a collider, if it takes part in this run.
-fn taking_part(collider: &mut ColliderState) -> Option<(&mut Pose, WorldFromModel)> {
-    let Form::Mesh(place) = collider.placed?.form else {
+/// The mesh of a collider, if it takes part in this run. Disabled entities are not read and keep their last place.
+fn taking_part(collider: &mut ColliderState, run: u32) -> Option<(&mut Pose, WorldFromModel)> {
+    let Form::Mesh(place) = collider.placed.filter(|_| collider.seen == run)?.form else {
         return None;
     };
     Some((collider.pose_mut()?, place))
 }
 
-fn end_regions(list: &mut MorphSelfCollisions, ended: &mut Vec<u32>) {
-    ended.extend(list.regions.drain(..).map(|region| region.region));
-    list.is_truncated = false;
+impl SelfState {
+    /// Ends all regions.
+    fn reset(&mut self, list: &mut MorphSelfCollisions) {
+        self.changes.ended.append(&mut self.listed);
+        self.asked = None;
+        list.regions.clear();
+        list.is_truncated = false;
+    }
+
+    fn is_of(&self, list: &MorphSelfCollisions) -> bool {
+        self.listed.iter().eq(list.regions.iter().map(|region| &region.region))
+    }
 }
 
 /// Compares the meshes with themselves that changed, and reports what started and ended.
 pub(crate) fn find_self_collisions(
     mut colliders: Query<(&mut MorphSelfCollisions, &mut SelfState, Option<&mut ColliderState>), Allow<Disabled>>,
     settings: Res<MorphCollisionSettings>,
+    candidates: Res<Candidates>,
     mut rests: Local<RestPairs>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     if colliders.is_empty() {
+        rests.0.clear();
         return;
     }
     let start = Instant::now();
@@ -192,9 +208,13 @@ pub(crate) fn find_self_collisions(
         let state = state.into_inner();
         state.changes = Changes::default();
         let include_rest = list.include_rest;
-        let Some((pose, place)) = collider.and_then(|collider| taking_part(collider.into_inner())) else {
-            if state.asked.take().is_some() {
-                end_regions(&mut list, &mut state.changes.ended);
+        if !state.is_of(&list) {
+            state.reset(&mut list);
+        }
+        let taking_part = collider.and_then(|collider| taking_part(collider.into_inner(), candidates.run()));
+        let Some((pose, place)) = taking_part else {
+            if state.asked.is_some() {
+                state.reset(&mut list);
             }
             continue;
         };
@@ -207,7 +227,7 @@ pub(crate) fn find_self_collisions(
             }
             if !Arc::ptr_eq(&asked.tree, pose.bvh()) {
                 // The same numbers of triangles mean others now.
-                end_regions(&mut list, &mut state.changes.ended);
+                state.reset(&mut list);
             }
         }
         state.asked = Some(Asked::new(pose, include_rest, limit));
@@ -228,11 +248,11 @@ pub(crate) fn find_self_collisions(
 
 /// Reports what started and ended.
 pub(crate) fn report_self_collisions(
-    colliders: Query<
+    mut colliders: Query<
         (
             Entity,
             &MorphSelfCollisions,
-            &SelfState,
+            &mut SelfState,
             Has<MorphCollisionEventsEnabled>,
         ),
         Allow<Disabled>,
@@ -250,8 +270,9 @@ pub(crate) fn report_self_collisions(
             }
         }
     }
-    for (collider, list, state, is_observed) in &colliders {
-        let started = |region: &&MorphSelfContact| state.changes.started.contains(&region.region);
+    for (collider, list, mut state, is_observed) in &mut colliders {
+        let changes = std::mem::take(&mut state.changes);
+        let started = |region: &&MorphSelfContact| changes.started.contains(&region.region);
         for contact in list.regions().iter().filter(started) {
             let Some(&triangles) = contact.triangles.first() else {
                 continue;
@@ -273,17 +294,17 @@ pub(crate) fn report_self_collisions(
 /// Ends the regions of a component that is removed, also by despawning its entity.
 pub(crate) fn end_with_component(
     removed: On<Remove<MorphSelfCollisions>>,
-    lists: Query<&MorphSelfCollisions, Allow<Disabled>>,
+    states: Query<&SelfState, Allow<Disabled>>,
     observed: Query<(), (With<MorphCollisionEventsEnabled>, Allow<Disabled>)>,
     mut ends: MessageWriter<MorphSelfCollisionEnd>,
     mut commands: Commands,
 ) {
     let collider = removed.entity;
-    for region in lists.get(collider).map_or(&[][..], MorphSelfCollisions::regions) {
-        let end = MorphSelfCollisionEnd {
-            collider,
-            region: region.region,
-        };
+    let Ok(state) = states.get(collider) else { return };
+    // Within a run, what has just ended or started has not been reported yet; afterwards, both lists are empty.
+    let told = |region: &&u32| !state.changes.started.contains(region);
+    for &region in state.changes.ended.iter().chain(state.listed.iter().filter(told)) {
+        let end = MorphSelfCollisionEnd { collider, region };
         ends.write(end);
         if observed.contains(collider) {
             commands.trigger(end);

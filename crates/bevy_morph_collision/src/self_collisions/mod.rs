@@ -17,8 +17,9 @@ use crate::contacts::no_triangles;
 /// always touch. The answer is exact for the mesh as it is drawn now, whatever the collider's margin and tolerance are. Different
 /// meshes of a character are different colliders: this does not compare a body with its clothes.
 ///
-/// Costs one query over the tree of the mesh whenever it deforms: for a head of 9534 triangles with 52 targets that talks, ten
-/// million instructions.
+/// Costs one query over the tree of the mesh whenever its weights or joints change: for a head of 9534 triangles with 52 targets
+/// that talks, ten million instructions. The joints of a character that walks change in every frame. The first query of a mesh also
+/// finds what intersects at rest.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -46,6 +47,13 @@ pub struct MorphSelfCollisions {
 }
 
 impl MorphSelfCollisions {
+    /// Sets whether to report also what intersects at rest.
+    #[must_use]
+    pub fn with_rest(mut self, include_rest: bool) -> Self {
+        self.include_rest = include_rest;
+        self
+    }
+
     /// Where the mesh intersects itself now, in ascending order of [`MorphSelfContact::region`].
     #[must_use]
     pub fn regions(&self) -> &[MorphSelfContact] {
@@ -53,7 +61,8 @@ impl MorphSelfCollisions {
     }
 
     /// Whether more pairs of triangles intersect than are listed. The limit is
-    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings). Which pairs are listed then depends on the
+    /// tree, so regions may end although they still intersect.
     #[must_use]
     pub fn is_truncated(&self) -> bool {
         self.is_truncated

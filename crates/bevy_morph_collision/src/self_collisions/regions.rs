@@ -14,8 +14,8 @@ pub(super) struct Changes {
     pub(super) started: Vec<u32>,
 }
 
-/// Replaces regions by those of the pairs that intersect now. A region goes on as the new one with which it has a triangle in common;
-/// the older region, and then the larger new one, has the first choice. `next` is the first number that was never used.
+/// Replaces regions by those of the pairs that intersect now. A region goes on as a new one with which it has a triangle in common.
+/// Older regions choose first, and each takes the largest new one that is left. `next` is the first number that was never used.
 pub(super) fn replace(
     regions: &mut Vec<MorphSelfContact>,
     pairs: &[TrianglePair],

@@ -36,7 +36,8 @@ pub(super) struct Root {
     pub(super) skins: List<Skin>,
     #[serde(default)]
     pub(super) animations: List<Animation>,
-    #[serde(default)]
+    // Only their names are used.
+    #[serde(default, deserialize_with = "or_default")]
     pub(super) materials: List<Material>,
 }
 
@@ -145,6 +146,7 @@ pub(super) struct Primitive {
     /// Triangles by default.
     #[serde(default = "triangles")]
     pub(super) mode: u32,
+    #[serde(default, deserialize_with = "or_default")]
     pub(super) material: Option<usize>,
     #[serde(default)]
     pub(super) targets: Vec<Target>,
@@ -316,6 +318,12 @@ pub(super) fn abridged(text: &str) -> String {
         None => text.to_owned(),
         Some((end, _)) => format!("{}...", &text[..end]),
     }
+}
+
+/// The default in place of a malformed value that is not needed to read a mesh.
+fn or_default<'de, D: Deserializer<'de>, T: DeserializeOwned + Default>(deserializer: D) -> Result<T, D::Error> {
+    let text = Box::<RawValue>::deserialize(deserializer)?;
+    Ok(serde_json::from_str(text.get()).unwrap_or_default())
 }
 
 /// A list whose elements are parsed one by one, on first use.

@@ -1,11 +1,10 @@
 //! Pairs of triangles that touch, grouped into connected regions.
 
-use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::DVec3;
-use morph_collision::{Body, Pose, Triangle, TrianglePair, WorldFromModel, triangle_contact};
+use morph_collision::{Body, Pose, Triangle, TrianglePair, WorldFromModel, touching_regions, triangle_contact};
 
-use super::sets::Sets;
 use crate::depth::parting_distance;
 
 /// Triangles that touch each other or share vertices.
@@ -23,28 +22,20 @@ pub(super) struct Region {
     pub(super) length: f64,
 }
 
-/// Groups pairs by the vertices of their triangles. Both triangles of a pair are in the same region, and so are triangles that share a
-/// vertex. Sorted by their first triangles.
+/// Groups pairs into connected regions, sorted by their first triangles.
 pub(super) fn regions(pose: &mut Pose, pairs: &[TrianglePair]) -> Vec<Region> {
-    let model = std::sync::Arc::clone(pose.bvh().model());
-    let mut sets = Sets::default();
-    for pair in pairs {
-        let corners = [pair.triangle_a, pair.triangle_b].map(|triangle| model.triangle(triangle).unwrap_or_default());
-        let first = corners[0][0];
-        for &corner in corners.as_flattened() {
-            sets.unite(first, corner);
-        }
-    }
-    let mut by_root: BTreeMap<u32, Building> = BTreeMap::new();
+    let model = Arc::clone(pose.bvh().model());
     let mut body = Body::new(pose, &WorldFromModel::IDENTITY);
-    for pair in pairs {
-        let root = sets.root(model.triangle(pair.triangle_a).unwrap_or_default()[0]);
-        let (Some(a), Some(b)) = (body.triangle(pair.triangle_a), body.triangle(pair.triangle_b)) else {
-            continue;
-        };
-        by_root.entry(root).or_default().add(pair, [&a, &b]);
-    }
-    let mut regions: Vec<Region> = by_root.into_values().map(Building::finish).collect();
+    let mut region = |pairs: &Vec<TrianglePair>| {
+        let mut building = Building::default();
+        for pair in pairs {
+            if let (Some(a), Some(b)) = (body.triangle(pair.triangle_a), body.triangle(pair.triangle_b)) {
+                building.add(pair, [&a, &b]);
+            }
+        }
+        building.finish()
+    };
+    let mut regions: Vec<Region> = touching_regions(&model, pairs).iter().map(&mut region).collect();
     regions.sort_by(|one, other| one.triangles.cmp(&other.triangles));
     regions
 }

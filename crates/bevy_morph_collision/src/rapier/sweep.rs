@@ -21,8 +21,8 @@ struct Swept<'a> {
 
 /// Sweeps a shape against a part of a surface. `None` if neither shape is a part, or both are.
 ///
-/// If a body is within a margin of the part, contacts are prepared, and they stop it. Only its core, a ball around its middle, is
-/// swept then, because it must not pass through even if contacts fail. Rapier would stop the whole body where its foremost point
+/// If a body is within a margin of the part, contacts stop it; for a fast body they are prepared that far ahead. Only its core, a
+/// ball around its middle, is swept then, because it must not pass through even if contacts fail. Rapier would stop the whole body where its foremost point
 /// touches, and where the part is at the end of the step. A body that the part lifts, or that turns, would be stopped in each
 /// step, stay behind, and finally fall through.
 pub(super) fn sweep_part(

@@ -13,7 +13,7 @@ use bevy::tasks::ComputeTaskPool;
 use morph_collision::{Body, JointMatrices, MorphBvh, Pose, SelfQuery, TrianglePair, WorldFromModel};
 use tracing::debug_span;
 
-use super::regions::{Changes, replace};
+use super::regions::{Changes, middle, replace};
 use super::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
 use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, Form};
@@ -126,12 +126,12 @@ impl Job<'_> {
         });
         list.is_truncated = is_truncated;
         let tree = self.pose.bvh().clone();
-        let body = Body::new(self.pose, &WorldFromModel::IDENTITY);
+        let mut body = Body::new(self.pose, &WorldFromModel::IDENTITY);
         let changes = replace(
             &mut list.regions,
             pairs,
             tree.model(),
-            Some(body),
+            |triangles| middle(triangles, &mut body),
             &mut state.next_region,
         );
         state.listed.clear();

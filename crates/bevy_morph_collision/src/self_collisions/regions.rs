@@ -15,12 +15,13 @@ pub(super) struct Changes {
 }
 
 /// Replaces regions by those of the pairs that intersect now. A region goes on as a new one with which it has a triangle in common.
-/// Older regions choose first, and each takes the largest new one that is left. `next` is the first number that was never used.
+/// Older regions choose first, and each takes the largest new one that is left. `middle` computes the
+/// point of a region, and `next` is the first number that was never used.
 pub(super) fn replace(
     regions: &mut Vec<MorphSelfContact>,
     pairs: &[TrianglePair],
     model: &MorphModel,
-    body: Option<Body<'_>>,
+    mut middle: impl FnMut(&[TrianglePair]) -> Vec3,
     next: &mut u32,
 ) -> Changes {
     let mut now = touching_regions(model, pairs);
@@ -46,14 +47,13 @@ pub(super) fn replace(
             None => changes.ended.push(before.region),
         }
     }
-    let mut body = body;
     for (mut triangles, number) in now.into_iter().zip(numbers) {
         let region = number.unwrap_or_else(|| {
             changes.started.push(*next);
             std::mem::replace(next, next.wrapping_add(1))
         });
         triangles.sort_unstable();
-        let point = body.as_mut().map_or(Vec3::ZERO, |body| middle(&triangles, body));
+        let point = middle(&triangles);
         regions.push(MorphSelfContact {
             region,
             point,
@@ -69,7 +69,7 @@ fn both(pair: &TrianglePair) -> [u32; 2] {
 }
 
 /// The mean of the centroids of all triangles.
-fn middle(pairs: &[TrianglePair], body: &mut Body<'_>) -> Vec3 {
+pub(super) fn middle(pairs: &[TrianglePair], body: &mut Body<'_>) -> Vec3 {
     let triangles: HashSet<u32> = pairs.iter().flat_map(both).collect();
     let corners = triangles.iter().filter_map(|&triangle| body.triangle(triangle));
     let (sum, count) = corners
@@ -100,7 +100,7 @@ mod tests {
     fn regions_keep_their_numbers_while_their_triangles_touch() {
         let (model, mut regions, mut next) = (model(), Vec::new(), 0);
         let mut run = |pairs: &[TrianglePair]| {
-            let changes = replace(&mut regions, pairs, &model, None, &mut next);
+            let changes = replace(&mut regions, pairs, &model, |_| Vec3::ZERO, &mut next);
             let numbers: Vec<u32> = regions.iter().map(|region| region.region).collect();
             (numbers, changes.started, changes.ended)
         };

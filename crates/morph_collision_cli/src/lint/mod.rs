@@ -16,7 +16,6 @@ mod proof;
 mod regions;
 mod report;
 mod search;
-mod sets;
 mod suggest;
 mod text;
 mod work;

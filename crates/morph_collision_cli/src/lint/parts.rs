@@ -1,11 +1,11 @@
 //! Names for the parts of a mesh: its materials and its connected pieces.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
-use morph_collision::MorphModel;
+use morph_collision::{MorphModel, TrianglePair, touching_regions};
 
-use super::sets::Sets;
 use crate::output::counted;
 
 /// The piece and the primitive of each triangle.
@@ -20,27 +20,24 @@ pub(super) struct Parts {
 
 impl Parts {
     pub(super) fn new(model: &MorphModel, primitives: &[Range<u32>], materials: Vec<Option<String>>) -> Self {
-        let mut sets = Sets::default();
-        let triangles = || (0..model.triangle_count() as u32).filter_map(|triangle| model.triangle(triangle));
-        for [a, b, c] in triangles() {
-            sets.unite(a, b);
-            sets.unite(a, c);
+        // Triangles that share vertices are one region, also if each is paired with itself.
+        let alone = |triangle| TrianglePair {
+            triangle_a: triangle,
+            triangle_b: triangle,
+        };
+        let triangles: Vec<TrianglePair> = (0..model.triangle_count() as u32).map(alone).collect();
+        let mut pieces = touching_regions(model, &triangles);
+        // Stable: pieces of the same size stay in the order of their first triangles.
+        pieces.sort_by_key(|piece| Reverse(piece.len()));
+        let mut piece_of_triangle = vec![0; triangles.len()];
+        for (piece, number) in pieces.iter().zip(0..) {
+            for triangle in piece {
+                piece_of_triangle[triangle.triangle_a as usize] = number;
+            }
         }
-        let roots: Vec<u32> = triangles().map(|corners| sets.root(corners[0])).collect();
-        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
-        for root in &roots {
-            *sizes.entry(*root).or_default() += 1;
-        }
-        let mut pieces: Vec<(u32, usize)> = sizes.into_iter().collect();
-        pieces.sort_by_key(|&(root, size)| (std::cmp::Reverse(size), root));
-        let number: BTreeMap<u32, u32> = pieces
-            .iter()
-            .zip(0..)
-            .map(|(&(root, _), number)| (root, number))
-            .collect();
         Self {
-            piece_of_triangle: roots.iter().map(|root| number[root]).collect(),
-            piece_sizes: pieces.into_iter().map(|(_, size)| size).collect(),
+            piece_of_triangle,
+            piece_sizes: pieces.iter().map(Vec::len).collect(),
             primitives: primitives.to_vec(),
             materials,
         }

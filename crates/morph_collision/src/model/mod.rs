@@ -6,6 +6,7 @@ mod displacement;
 mod error;
 mod morph_model;
 mod skin;
+mod weight_box;
 mod weights;
 mod weld;
 
@@ -15,6 +16,7 @@ pub(crate) use morph_model::LARGEST;
 pub use morph_model::MorphModel;
 pub use skin::Influences;
 pub(crate) use skin::{Influence, Skin};
+pub use weight_box::WeightBox;
 pub(crate) use weights::Weights;
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::hull::ClosestOfHull;
 use super::pair::{Gap, Pair};
-use crate::exact::{Triangle, closest_of_triangles, closest_on_triangle, triangles_intersect};
+use crate::exact::{Triangle, closest_of_triangles, triangles_intersect};
 
 /// At most this many directions are tried for a part of the box.
 const DIRECTIONS: usize = 12;
@@ -25,11 +26,16 @@ pub(super) enum Decision {
 pub(super) struct Branches {
     stack: Vec<Vec<[f32; 2]>>,
     weights: Vec<f32>,
+    /// The direction of the last proof. Often it also serves for the next triangles.
+    direction: DVec3,
 }
 
 impl Branches {
     /// Decides for all weights in a box, looking at no more than `most` parts of it. `start` are weights to try first.
     pub(super) fn decide(&mut self, pair: &Pair, whole: &[[f32; 2]], start: &[f32], most: u32) -> Decision {
+        if pair.gap(self.direction, whole).bound > 0.0 {
+            return Decision::Free { boxes: 1 };
+        }
         if touches(pair, start) {
             return Decision::Touching(start.to_vec());
         }
@@ -48,17 +54,14 @@ impl Branches {
             if triangles_intersect(&posed[0], &posed[1]) {
                 return Decision::Touching(self.weights.clone());
             }
-            let Some(best) = best_gap(pair, &posed, &part) else {
-                continue;
+            let best = match best_gap(pair, &posed, &part, &mut self.weights) {
+                Search::Free(direction) => {
+                    self.direction = direction;
+                    continue;
+                }
+                Search::Touching => return Decision::Touching(self.weights.clone()),
+                Search::Open(best) => best,
             };
-            // The worst weights for this direction, where the triangles are most likely to touch.
-            self.weights.clear();
-            let ends = pair.slopes(&best).zip(&part);
-            self.weights
-                .extend(ends.map(|(slope, [low, high])| if slope > 0.0 { *low } else { *high }));
-            if touches(pair, &self.weights) {
-                return Decision::Touching(self.weights.clone());
-            }
             let Some([one, other]) = split(pair, &best, part) else {
                 return Decision::Undecided;
             };
@@ -73,39 +76,50 @@ fn touches(pair: &Pair, weights: &[f32]) -> bool {
     triangles_intersect(&a, &b)
 }
 
-/// The best bound along several directions, or `None` if one of them proves the triangles free. `posed` are the triangles in the middle of
-/// the box.
+/// What is known after several directions were tried.
+enum Search {
+    /// This direction proves the triangles free.
+    Free(DVec3),
+    /// They touch for the weights that were tried last.
+    Touching,
+    /// The best bound.
+    Open(Gap),
+}
+
+/// Tries several directions, and for each one the worst weights. `posed` are the triangles in the middle of the box.
 ///
 /// All differences of a point of the second triangle and one of the first, for all weights in the box, have a convex hull. A direction
 /// proves the triangles free if the hull is beyond a plane across it. The best direction is that of the hull's point closest to the origin,
-/// which is approached as by Frank and Wolfe (1956), with one earlier point kept.
-fn best_gap(pair: &Pair, posed: &[Triangle; 2], part: &[[f32; 2]]) -> Option<Gap> {
+/// which [`ClosestOfHull`] approaches.
+fn best_gap(pair: &Pair, posed: &[Triangle; 2], part: &[[f32; 2]], weights: &mut Vec<f32>) -> Search {
     let [a, b] = posed;
     let closest = closest_of_triangles(a, b);
-    let mut point = closest.on_b - closest.on_a;
-    let mut earlier = point;
+    let mut hull = ClosestOfHull::new(closest.on_b - closest.on_a);
     let mut best: Option<Gap> = None;
     for _ in 0..DIRECTIONS {
-        let direction = point.normalize_or_zero();
+        let direction = hull.point.normalize_or_zero();
         if direction == DVec3::ZERO {
             break;
         }
         let gap = pair.gap(direction, part);
         if gap.bound > 0.0 {
-            return None;
+            return Search::Free(direction);
+        }
+        weights.clear();
+        let ends = pair.slopes(&gap).zip(part);
+        weights.extend(ends.map(|(slope, [low, high])| if slope > 0.0 { *low } else { *high }));
+        if touches(pair, weights) {
+            return Search::Touching;
         }
         if best.is_none_or(|best| gap.bound > best.bound) {
             best = Some(gap);
         }
-        let nearest = pair.difference(&gap, part);
-        let next = closest_on_triangle(DVec3::ZERO, &[point, nearest, earlier]).point;
-        if next.length_squared() >= point.length_squared() {
+        if !hull.add(pair.difference(&gap, part)) {
             break;
         }
-        (earlier, point) = (nearest, next);
     }
     // Triangles that nearly touch in the middle of the box have no direction.
-    best.or_else(|| Some(pair.gap(DVec3::X, part)))
+    Search::Open(best.unwrap_or_else(|| pair.gap(DVec3::X, part)))
 }
 
 /// Halves the interval that changes the gap most, or if none does, the one that moves the triangles most against each other; `None` if no

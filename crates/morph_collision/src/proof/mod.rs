@@ -21,13 +21,15 @@
 //! `docs/numerics.md` derives the rounding.
 
 mod branch;
+mod hull;
 mod nodes;
 mod outcome;
 mod pair;
 mod rounding;
 mod self_proof;
-mod weight_box;
 
 pub use outcome::{Effort, ProofOutcome, Witness};
 pub use self_proof::SelfProof;
-pub use weight_box::WeightBox;
+
+pub use crate::model::WeightBox;
+pub use crate::tree::SelfCertificates;

@@ -3,9 +3,8 @@
 use glam::DVec3;
 
 use super::rounding::{least, vertex_error};
-use super::weight_box::WeightBox;
 use crate::bounds::Extent;
-use crate::model::MorphModel;
+use crate::model::{MorphModel, WeightBox};
 use crate::tree::{Child, ChildKind, Topology};
 
 /// A node: its box at the base, and boxes around the displacements of the targets that move it.

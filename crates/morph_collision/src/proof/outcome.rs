@@ -1,4 +1,5 @@
 use crate::query::TrianglePair;
+use crate::tree::OpenPairs;
 
 /// How hard a proof tries before it leaves pairs undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +53,10 @@ pub struct ProofOutcome {
     pub node_tests: u64,
     /// Parts of boxes that were looked at for pairs of triangles.
     pub box_tests: u64,
+    /// Everything that is not proved free.
+    pub(super) open: OpenPairs,
+    /// The parts of the proof that were run.
+    pub(super) parts: Vec<usize>,
 }
 
 impl ProofOutcome {
@@ -84,5 +89,8 @@ impl ProofOutcome {
         self.box_tests += other.box_tests;
         self.witnesses.append(&mut other.witnesses);
         self.undecided_pairs.append(&mut other.undecided_pairs);
+        self.open.patches.append(&mut other.open.patches);
+        self.open.areas.append(&mut other.open.areas);
+        self.parts.append(&mut other.parts);
     }
 }

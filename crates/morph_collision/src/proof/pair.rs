@@ -3,9 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::rounding::vertex_error;
-use super::weight_box::WeightBox;
 use crate::exact::Triangle;
-use crate::model::MorphModel;
+use crate::model::{MorphModel, WeightBox};
 
 /// A triangle's corners at the base and their displacements.
 #[derive(Clone, Debug)]
@@ -32,7 +31,7 @@ pub(super) struct Pair {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     pub(super) bound: f64,
-    direction: DVec3,
+    pub(super) direction: DVec3,
     /// The corners that are closest along the direction for the worst weights.
     corners: [usize; 2],
 }

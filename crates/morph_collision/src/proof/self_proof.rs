@@ -4,13 +4,17 @@ use super::branch::{Branches, Decision};
 use super::nodes::{Node, NodeMotions};
 use super::outcome::{Effort, ProofOutcome, Witness};
 use super::pair::{Pair, TriangleMotion};
-use super::weight_box::WeightBox;
 use crate::InputError;
+use crate::bounds::LANES;
+use crate::model::WeightBox;
 use crate::query::TrianglePair;
-use crate::tree::{ChildKind, Leaf, MorphBvh};
+use crate::tree::{Area, ChildKind, Leaf, MorphBvh, OpenPairs, PatchPair, SelfCertificates};
 
 /// A proof has at least this many parts, if the mesh is large enough.
 const PARTS: usize = 256;
+
+/// A part remembers at most this many pairs of patches that are open, which takes 0.8 MB. If there are more, all of the part counts as open.
+const MAX_OPEN: usize = 1 << 15;
 
 /// Proves which triangles of a mesh touch for no weights in a box. Skinned meshes have no such proof.
 ///
@@ -92,6 +96,7 @@ impl SelfProof {
     pub fn run_part(&self, part: usize) -> ProofOutcome {
         let mut outcome = ProofOutcome::default();
         if let Some(&pair) = self.parts.get(part) {
+            outcome.parts.push(part);
             let most = self.effort.steps / self.parts.len() as u64;
             let walk = Walk {
                 proof: self,
@@ -102,8 +107,15 @@ impl SelfProof {
                 pair: Pair::default(),
                 whole: Vec::new(),
                 start: Vec::new(),
+                masks: Vec::new(),
             };
             walk.run(pair);
+            if outcome.open.patches.len() >= MAX_OPEN {
+                outcome.open = OpenPairs {
+                    patches: Vec::new(),
+                    areas: vec![self.area(pair)],
+                };
+            }
         }
         outcome
     }
@@ -116,6 +128,36 @@ impl SelfProof {
             outcome.join(self.run_part(part));
         }
         outcome
+    }
+
+    /// What queries may leave out while the weights are in the box of this proof. `outcome` is that of all parts.
+    ///
+    /// # Errors
+    /// A part is missing, or was joined twice.
+    pub fn certificates(&self, outcome: &ProofOutcome) -> Result<SelfCertificates, InputError> {
+        let mut parts = outcome.parts.clone();
+        parts.sort_unstable();
+        if !parts.iter().copied().eq(0..self.parts()) {
+            return Err(InputError::WrongCount {
+                what: "parts of the proof, each once,".to_owned(),
+                given: parts.len(),
+                expected: self.parts(),
+            });
+        }
+        Ok(SelfCertificates::new(
+            &self.bvh,
+            self.weights.clone(),
+            outcome.open.clone(),
+        ))
+    }
+
+    /// The leaves below two nodes.
+    fn area(&self, nodes: [Node; 2]) -> Area {
+        let topology = &self.bvh.topology;
+        nodes.map(|node| {
+            let child = topology.group(node.group as usize).child(usize::from(node.lane));
+            topology.leaves_below(child).map(|leaf| leaf.0 as u32)
+        })
     }
 
     /// Cuts the pair of the root and itself into parts.
@@ -188,6 +230,8 @@ struct Walk<'a> {
     pair: Pair,
     whole: Vec<[f32; 2]>,
     start: Vec<f32>,
+    /// The open pairs of triangles of two leaves, for each pair of patches.
+    masks: Vec<u64>,
 }
 
 impl Walk<'_> {
@@ -198,6 +242,7 @@ impl Walk<'_> {
             let [of_a, of_b] = [a, b].map(|node| proof.nodes.get(node).triangles);
             if self.outcome.node_tests + self.outcome.box_tests >= self.most {
                 self.outcome.undecided += if a == b { of_a * (of_a - 1) / 2 } else { of_a * of_b };
+                self.outcome.open.areas.push(proof.area([a, b]));
                 continue;
             }
             if a != b {
@@ -226,15 +271,29 @@ impl Walk<'_> {
         };
         let of_a = motions(a);
         let of_b = if a == b { of_a.clone() } else { motions(b) };
+        let patches = of_b.len().div_ceil(LANES);
+        self.masks.clear();
+        self.masks.resize(of_a.len().div_ceil(LANES) * patches, 0);
         for (i, first) in of_a.iter().enumerate() {
             let from = if a == b { i + 1 } else { 0 };
-            for second in of_b[from..].iter().filter(|second| !first.shares_a_vertex(second)) {
-                self.triangles(first, second);
+            for (j, second) in of_b.iter().enumerate().skip(from) {
+                if !first.shares_a_vertex(second) && !self.triangles(first, second) {
+                    self.masks[i / LANES * patches + j / LANES] |= 1 << (i % LANES * LANES + j % LANES);
+                }
             }
         }
+        let open = &mut self.outcome.open.patches;
+        let masks = self.masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
+        let masks = masks.take(MAX_OPEN - open.len().min(MAX_OPEN));
+        open.extend(masks.map(|(place, &unrelated)| PatchPair {
+            leaves: [a.0 as u32, b.0 as u32],
+            patches: [(place / patches) as u8, (place % patches) as u8],
+            unrelated,
+        }));
     }
 
-    fn triangles(&mut self, a: &TriangleMotion, b: &TriangleMotion) {
+    /// Returns whether two triangles are free.
+    fn triangles(&mut self, a: &TriangleMotion, b: &TriangleMotion) -> bool {
         let proof = self.proof;
         self.pair.set(a, b);
         self.whole.clear();
@@ -253,6 +312,7 @@ impl Walk<'_> {
             triangle_b: a.triangle.max(b.triangle),
         };
         outcome.box_tests += 1;
+        let is_free = matches!(decision, Decision::Free { .. });
         match decision {
             Decision::Free { boxes: 0 | 1 } => outcome.free_by_direction += 1,
             Decision::Free { boxes } => {
@@ -280,5 +340,6 @@ impl Walk<'_> {
                 }
             }
         }
+        is_free
     }
 }

@@ -63,7 +63,7 @@ impl SelfQuery {
     /// Calls `visitor` for every pair of intersecting triangles, the smaller index first, until it breaks.
     pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
         let bvh = Arc::clone(pose.bvh());
-        let front = bvh.self_front();
+        let front = bvh.self_front_for(pose.weights());
         let posed = &mut pose.posed();
         let before = posed.blended();
         let Self { stack, leaves, stats } = self;

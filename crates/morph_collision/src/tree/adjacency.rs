@@ -9,10 +9,10 @@ use crate::model::MorphModel;
 const MAX_LEAVES: usize = 32;
 
 /// Two patches of leaves that share a vertex, or of the same leaf.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PatchPair {
     /// In ascending order.
-    leaves: [u32; 2],
+    pub(crate) leaves: [u32; 2],
     /// The index of each patch in its leaf.
     pub(crate) patches: [u8; 2],
     /// Which triangles share no vertex: bit `8 i + j` is that of triangle `i` of the first patch and triangle `j` of the second. Of two

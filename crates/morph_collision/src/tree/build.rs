@@ -110,6 +110,7 @@ pub(super) async fn build_over(
         options: *options,
         owners: Arc::default(),
         self_front: Arc::default(),
+        certificates: Arc::default(),
         kernel: Kernel::default(),
     }
 }

@@ -1,7 +1,9 @@
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use super::{BuildOptions, Child, ChildKind, LeafLanes, Owners, SelfFront, SkinTables, Tables, Topology};
+use super::{
+    BuildOptions, Child, ChildKind, LeafLanes, Owners, SelfCertificates, SelfFront, SkinTables, Tables, Topology,
+};
 use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
@@ -25,6 +27,7 @@ pub struct MorphBvh {
     pub(super) owners: Arc<OnceLock<Owners>>,
     /// Computed when a query about one body and itself first needs it.
     pub(super) self_front: Arc<OnceLock<SelfFront>>,
+    pub(super) certificates: Arc<OnceLock<SelfCertificates>>,
     pub(super) options: BuildOptions,
     pub(super) kernel: Kernel,
 }
@@ -84,7 +87,8 @@ impl MorphBvh {
         let skin = self.skin.as_ref().map_or(0, |skin| skin.bytes());
         let owners = self.owners.get().map_or(0, Owners::bytes);
         let self_front = self.self_front.get().map_or(0, SelfFront::bytes);
-        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes + owners + self_front
+        let certificates = self.certificates.get().map_or(0, SelfCertificates::bytes);
+        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes + owners + self_front + certificates
     }
 
     /// The triangle that owns each vertex and edge. Computed on first use: `O(n log n)`.

@@ -9,7 +9,7 @@ use super::{ChildKind, MorphBvh, Topology};
 
 /// The pairs of nodes at which a walk over a tree and itself starts. Every pair of different leaves is below one of them, or listed as
 /// neighbours.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct SelfFront {
     /// The patches of leaves that share a vertex, and those of each leaf with itself.
     pub(crate) neighbours: Vec<PatchPair>,
@@ -71,7 +71,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
         adjacent: range,
     }) = rest.pop()
     {
-        let (of_a, of_b) = (child(topology, a), child(topology, b));
+        let (of_a, of_b) = (a.child(topology), b.child(topology));
         if a == b {
             let ChildKind::Group(group) = of_a.kind() else {
                 continue;
@@ -82,7 +82,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
             leaves.sort_unstable_by_key(|&[i, j]| (lane_of(i), lane_of(j)));
             let mut start = range.start;
             for i in 0..siblings.len() {
-                let node = place(group, i);
+                let node = Place::new(group, i);
                 let mut mask = 0;
                 for j in i..siblings.len() {
                     let below = leaves[start - range.start..].iter();
@@ -91,7 +91,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
                         mask |= 1 << j;
                     } else {
                         rest.push(Pair {
-                            nodes: [node, place(group, j)],
+                            nodes: [node, Place::new(group, j)],
                             adjacent: start..end,
                         });
                     }
@@ -121,7 +121,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
             if start == end {
                 mask |= 1 << lane;
             } else {
-                let opened = place(group, lane);
+                let opened = Place::new(group, lane);
                 rest.push(Pair {
                     nodes: if opens_a { [opened, node] } else { [node, opened] },
                     adjacent: start..end,
@@ -136,21 +136,23 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
 
 impl Apart {
     /// `None` if there are no children.
-    fn new(node: Place, group: usize, mask: u8) -> Option<Self> {
+    pub(super) fn new(node: Place, group: usize, mask: u8) -> Option<Self> {
         let group = group as u32;
         (mask != 0).then_some(Self { node, group, mask })
     }
 }
 
-fn place(group: usize, lane: usize) -> Place {
-    Place {
-        group: group as u32,
-        lane: lane as u8,
+impl Place {
+    pub(super) fn new(group: usize, lane: usize) -> Self {
+        Self {
+            group: group as u32,
+            lane: lane as u8,
+        }
     }
-}
 
-fn child(topology: &Topology, place: Place) -> Child {
-    topology.group(place.group as usize).child(usize::from(place.lane))
+    pub(super) fn child(self, topology: &Topology) -> Child {
+        topology.group(self.group as usize).child(usize::from(self.lane))
+    }
 }
 
 /// The first leaf below each child of a group, ascending.
@@ -201,7 +203,7 @@ mod tests {
         }
         let neighbours = seen.len();
         for step in &front.apart {
-            let [first, last] = topology.leaves_below(child(topology, step.node));
+            let [first, last] = topology.leaves_below(step.node.child(topology));
             for lane in lanes_of(step.mask) {
                 let other = topology.leaves_below(topology.group(step.group as usize).child(lane));
                 for a in first.0..=last.0 {

@@ -186,7 +186,7 @@ impl Topology {
     }
 
     /// The first and the last leaf below a node.
-    pub(super) fn leaves_below(&self, node: Child) -> [Leaf; 2] {
+    pub(crate) fn leaves_below(&self, node: Child) -> [Leaf; 2] {
         let leaf = |mut node: Child, lane: fn(&Group) -> usize| loop {
             match node.kind() {
                 ChildKind::Leaf(leaf) => break leaf,

@@ -80,18 +80,18 @@ impl WeightBox {
     }
 
     /// The weights of the box that are closest to zero.
-    pub(super) fn closest_to_zero(&self) -> Vec<f32> {
+    pub(crate) fn closest_to_zero(&self) -> Vec<f32> {
         let ends = self.low.iter().zip(&self.high);
         ends.map(|(&low, &high)| 0.0_f32.clamp(low, high)).collect()
     }
 
     /// The interval of a target that exists.
-    pub(super) fn of(&self, target: u16) -> [f32; 2] {
+    pub(crate) fn of(&self, target: u16) -> [f32; 2] {
         [self.low[usize::from(target)], self.high[usize::from(target)]]
     }
 
     /// The largest absolute weight of a target that exists.
-    pub(super) fn reach(&self, target: u16) -> f64 {
+    pub(crate) fn reach(&self, target: u16) -> f64 {
         let [low, high] = self.of(target);
         f64::from(low.abs().max(high.abs()))
     }

@@ -1,0 +1,193 @@
+//! What is left of a walk over a tree and itself, if most pairs of triangles are proved free.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::adjacency::PatchPair;
+use super::self_front::{Apart, SelfFront};
+use super::topology::Child;
+use super::{MorphBvh, Topology};
+use crate::bounds::lanes_of;
+use crate::input_error::InputError;
+use crate::model::WeightBox;
+
+/// Proves for a mesh which pairs of triangles cannot touch for any weights in a box.
+///
+/// A [`SelfQuery`](crate::SelfQuery) leaves these pairs out while the weights are in the box. It finds the same pairs in the same order.
+/// Made by [`SelfProof::certificates`](crate::proof::SelfProof::certificates), and given to a tree by
+/// [`MorphBvh::set_certificates`].
+#[derive(Clone)]
+pub struct SelfCertificates {
+    weights: WeightBox,
+    topology: Arc<Topology>,
+    front: SelfFront,
+}
+
+/// Pairs of triangles that are not proved free.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct OpenPairs {
+    /// Patches with pairs that are open, as a mask.
+    pub(crate) patches: Vec<PatchPair>,
+    /// Ranges of leaves between which everything is open, and the same twice for a range and itself. The first one comes first.
+    pub(crate) areas: Vec<Area>,
+}
+
+/// The first and the last of a range of leaves.
+type Leaves = [u32; 2];
+
+/// All pairs of a leaf of the first range and one of the second.
+pub(crate) type Area = [Leaves; 2];
+
+impl SelfCertificates {
+    /// `open` has all pairs of triangles that share no vertex and are not proved free.
+    pub(crate) fn new(bvh: &MorphBvh, weights: WeightBox, open: OpenPairs) -> Self {
+        Self {
+            weights,
+            topology: Arc::clone(&bvh.topology),
+            front: front(bvh, &open),
+        }
+    }
+
+    /// The weights for which they hold.
+    #[must_use]
+    pub fn weights(&self) -> &WeightBox {
+        &self.weights
+    }
+
+    /// Bytes on the heap.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.front.bytes() + 2 * size_of::<f32>() * self.weights.len()
+    }
+}
+
+impl fmt::Debug for SelfCertificates {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SelfCertificates")
+            .field("targets", &self.weights.len())
+            .field("starts", &self.front.apart.len())
+            .field("neighbours", &self.front.neighbours.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl MorphBvh {
+    /// Makes every [`SelfQuery`](crate::SelfQuery) of this tree and its clones use certificates. This can be done once.
+    ///
+    /// # Errors
+    /// They are of another tree, or the tree has some already, which stay.
+    pub fn set_certificates(&self, certificates: SelfCertificates) -> Result<(), InputError> {
+        let what = || "the tree and the certificates".to_owned();
+        if !Arc::ptr_eq(&self.topology, &certificates.topology) {
+            return Err(InputError::DifferentTrees { what: what() });
+        }
+        self.certificates.set(certificates).map_err(|_| InputError::WrongCount {
+            what: "certificates of a tree".to_owned(),
+            given: 2,
+            expected: 1,
+        })
+    }
+
+    /// The certificates of this tree.
+    #[must_use]
+    pub fn certificates(&self) -> Option<&SelfCertificates> {
+        self.certificates.get()
+    }
+
+    /// Where walks over the tree and itself start that look for pairs of triangles, for these weights.
+    pub(crate) fn self_front_for(&self, weights: &[f32]) -> &SelfFront {
+        match self.certificates.get() {
+            Some(certificates) if certificates.weights.contains(weights) => &certificates.front,
+            _ => self.self_front(),
+        }
+    }
+}
+
+/// What is open of the tree's front.
+fn front(bvh: &MorphBvh, open: &OpenPairs) -> SelfFront {
+    let (whole, topology) = (bvh.self_front(), &bvh.topology);
+    let index = OpenIndex::new(open);
+    let open_neighbours = |pair: &PatchPair| {
+        let unrelated = pair.unrelated & index.mask(pair);
+        (unrelated != 0).then_some(PatchPair { unrelated, ..*pair })
+    };
+    let open_step = |step: &Apart| {
+        let node = leaves_below(topology, step.node.child(topology));
+        let others = topology.group(step.group as usize).children();
+        let is_open = |lane: &usize| index.has_any(node, leaves_below(topology, others[*lane]));
+        let lanes = lanes_of(step.mask).filter(is_open);
+        Apart::new(
+            step.node,
+            step.group as usize,
+            lanes.fold(0, |mask, lane| mask | 1 << lane),
+        )
+    };
+    SelfFront {
+        neighbours: whole.neighbours.iter().filter_map(open_neighbours).collect(),
+        apart: whole.apart.iter().filter_map(open_step).collect(),
+        is_complete: whole.is_complete,
+    }
+}
+
+fn leaves_below(topology: &Topology, node: Child) -> Leaves {
+    topology.leaves_below(node).map(|leaf| leaf.0 as u32)
+}
+
+/// Open pairs, found by their leaves.
+struct OpenIndex<'a> {
+    /// Ascending by leaves and patches.
+    patches: Vec<PatchPair>,
+    areas: &'a [Area],
+}
+
+impl<'a> OpenIndex<'a> {
+    fn new(open: &'a OpenPairs) -> Self {
+        let mut patches = open.patches.clone();
+        patches.sort_unstable_by_key(|pair| (pair.leaves, pair.patches));
+        Self {
+            patches,
+            areas: &open.areas,
+        }
+    }
+
+    /// Which pairs of triangles of two patches are open.
+    fn mask(&self, pair: &PatchPair) -> u64 {
+        let [a, b] = pair.leaves;
+        if self.areas.iter().any(|[x, y]| contains(*x, a) && contains(*y, b)) {
+            return u64::MAX;
+        }
+        let key = |pair: &PatchPair| (pair.leaves, pair.patches);
+        let place = self.patches.binary_search_by_key(&key(pair), key);
+        place.map_or(0, |place| self.patches[place].unrelated)
+    }
+
+    /// Whether anything between two ranges of leaves is open. They have no leaf in common.
+    fn has_any(&self, a: Leaves, b: Leaves) -> bool {
+        let ([first, last], second) = if a < b { (a, b) } else { (b, a) };
+        let meet = |a: Leaves, b: Leaves| a[0] <= b[1] && b[0] <= a[1];
+        if self
+            .areas
+            .iter()
+            .any(|[x, y]| meet(*x, [first, last]) && meet(*y, second))
+        {
+            return true;
+        }
+        // For each first leaf, look for the first of its pairs whose second leaf is not before the range.
+        let mut rest = &self.patches[..];
+        let mut leaf = first;
+        loop {
+            rest = &rest[rest.partition_point(|pair| pair.leaves < [leaf, second[0]])..];
+            match rest.first() {
+                Some(pair) if pair.leaves[0] > last => return false,
+                Some(pair) if contains(second, pair.leaves[1]) => return true,
+                // Its own second leaves are all before or behind the range.
+                Some(pair) => leaf = pair.leaves[0] + u32::from(pair.leaves[0] == leaf),
+                None => return false,
+            }
+        }
+    }
+}
+
+fn contains([first, last]: Leaves, leaf: u32) -> bool {
+    first <= leaf && leaf <= last
+}

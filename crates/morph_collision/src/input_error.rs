@@ -42,10 +42,10 @@ pub enum InputError {
         /// The length it should have.
         expected: usize,
     },
-    /// Two poses that belong together are of different trees.
-    #[error("{what} must be poses of the same tree")]
+    /// Two things that belong together are of different trees.
+    #[error("{what} must be of the same tree")]
     DifferentTrees {
-        /// What the poses are.
+        /// What they are.
         what: String,
     },
     /// A number is NaN or out of range.

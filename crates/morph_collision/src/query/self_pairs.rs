@@ -16,6 +16,9 @@ use crate::traverse::{SelfStack, walk_within};
 /// The answer is exact for the posed vertices in model space, so it does not depend on the body's placement. (The vertices of a skinned
 /// mesh are in world space, where its joints place them.)
 ///
+/// If the tree has certificates ([`MorphBvh::set_certificates`](crate::MorphBvh::set_certificates)), pairs that are proved free for the
+/// pose's weights are not looked at. The answer is the same.
+///
 /// ```
 /// # use std::sync::Arc;
 /// # use glam::Vec3;
@@ -64,10 +67,13 @@ impl SelfQuery {
     pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
         let bvh = Arc::clone(pose.bvh());
         let front = bvh.self_front_for(pose.weights());
-        let posed = &mut pose.posed();
-        let before = posed.blended();
         let Self { stack, leaves, stats } = self;
         *stats = QueryStats::default();
+        if front.is_empty() {
+            return;
+        }
+        let posed = &mut pose.posed();
+        let before = posed.blended();
         let (bounds, place) = (posed.bounds(), posed.place);
         let size = place.scale() * f64::from(bounds.size().max_element());
         leaves.begin(&Neighbourhood::new(place.transform_point(bounds.center()), size), place);

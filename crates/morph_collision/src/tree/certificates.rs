@@ -11,16 +11,18 @@ use crate::bounds::lanes_of;
 use crate::input_error::InputError;
 use crate::model::WeightBox;
 
-/// Proves for a mesh which pairs of triangles cannot touch for any weights in a box.
+/// Which pairs of a mesh's triangles are proved to touch for no weights in a box.
 ///
-/// A [`SelfQuery`](crate::SelfQuery) leaves these pairs out while the weights are in the box. It finds the same pairs in the same order.
-/// Made by [`SelfProof::certificates`](crate::proof::SelfProof::certificates), and given to a tree by
-/// [`MorphBvh::set_certificates`].
+/// While the weights are in the box, a [`SelfQuery`](crate::SelfQuery) leaves these pairs out. It finds the same pairs as without, perhaps in
+/// another order. Vertices of which all pairs are proved free are not even computed.
+///
+/// Made by [`SelfProof::certificates`](crate::proof::SelfProof::certificates), given to a tree by [`MorphBvh::set_certificates`], and stored
+/// with its [`TreeLayout`](crate::TreeLayout).
 #[derive(Clone)]
 pub struct SelfCertificates {
-    weights: WeightBox,
-    topology: Arc<Topology>,
-    front: SelfFront,
+    pub(super) weights: WeightBox,
+    pub(super) topology: Arc<Topology>,
+    pub(super) front: SelfFront,
 }
 
 /// Pairs of triangles that are not proved free.
@@ -72,20 +74,18 @@ impl fmt::Debug for SelfCertificates {
 }
 
 impl MorphBvh {
-    /// Makes every [`SelfQuery`](crate::SelfQuery) of this tree and its clones use certificates. This can be done once.
+    /// Makes every [`SelfQuery`](crate::SelfQuery) of this tree and its clones use certificates. Returns false if the tree has some already,
+    /// which stay.
     ///
     /// # Errors
-    /// They are of another tree, or the tree has some already, which stay.
-    pub fn set_certificates(&self, certificates: SelfCertificates) -> Result<(), InputError> {
-        let what = || "the tree and the certificates".to_owned();
+    /// They are of another tree.
+    pub fn set_certificates(&self, certificates: SelfCertificates) -> Result<bool, InputError> {
         if !Arc::ptr_eq(&self.topology, &certificates.topology) {
-            return Err(InputError::DifferentTrees { what: what() });
+            return Err(InputError::DifferentTrees {
+                what: "certificates and those who use them".to_owned(),
+            });
         }
-        self.certificates.set(certificates).map_err(|_| InputError::WrongCount {
-            what: "certificates of a tree".to_owned(),
-            given: 2,
-            expected: 1,
-        })
+        Ok(self.certificates.set(certificates).is_ok())
     }
 
     /// The certificates of this tree.

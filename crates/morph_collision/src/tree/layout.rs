@@ -4,6 +4,7 @@ use std::{fmt, mem};
 use thiserror::Error;
 
 use super::build::{MAX_DEPTH, Recorded, build_over};
+use super::certificate_layout::CertificateLayout;
 use super::pace::{Pace, at_once};
 use super::topology::Child;
 use super::{BuildOptions, ChildKind, MorphBvh};
@@ -17,7 +18,7 @@ const VERSION: u32 = 2;
 /// skip splitting at load time. The feature `serde` makes it serialisable.
 ///
 /// [`MorphBvh::from_layout`] measures the boxes again on the mesh. This is cheaper than splitting, keeps files small, and means
-/// that a corrupt file cannot make an answer wrong.
+/// that corrupt nodes cannot make an answer wrong. Certificates ([`MorphBvh::set_certificates`]) are stored, too, with a checksum.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -43,6 +44,8 @@ pub struct TreeLayout {
     nodes: Vec<u32>,
     /// The mesh's triangle numbers in leaf order.
     triangles: Vec<u32>,
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    certificates: Option<CertificateLayout>,
 }
 
 /// Why a [`TreeLayout`] does not fit a mesh.
@@ -84,6 +87,12 @@ pub enum LayoutError {
     Nodes {
         /// Index into the layout's nodes.
         place: usize,
+    },
+    /// The certificates are corrupt.
+    #[error("tree layout: certificates: {what}")]
+    Certificates {
+        /// What is wrong with them.
+        what: &'static str,
     },
 }
 
@@ -176,6 +185,7 @@ impl MorphBvh {
             options: *self.options(),
             nodes,
             triangles: topology.triangles.clone(),
+            certificates: self.certificates().map(CertificateLayout::new),
         }
     }
 
@@ -189,6 +199,12 @@ impl MorphBvh {
         layout.check(&model)?;
         let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
         let pace = Pace::endless();
-        Ok(at_once(build_over(model, &layout.options, triangles, splits, &pace)))
+        let bvh = at_once(build_over(model, &layout.options, triangles, splits, &pace));
+        if let Some(certificates) = &layout.certificates {
+            let restored = certificates.restore(&bvh)?;
+            // A new tree has none.
+            let _ = bvh.certificates.set(restored);
+        }
+        Ok(bvh)
     }
 }

@@ -23,6 +23,7 @@ mod blocks;
 mod build;
 mod builder;
 mod bvh;
+mod certificate_layout;
 mod certificates;
 mod clusters;
 mod extents;

@@ -47,6 +47,11 @@ impl SelfFront {
         }
     }
 
+    /// Whether no two triangles can touch.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.neighbours.is_empty() && self.apart.is_empty()
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.neighbours) + size_of_val(&*self.apart)
     }

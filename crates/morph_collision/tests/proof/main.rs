@@ -1,5 +1,6 @@
 //! Proofs for all weights, compared with queries for many.
 
+mod certificates;
 mod contradictions;
 mod rounding;
 mod verdicts;

@@ -1,0 +1,196 @@
+//! Certificates in a form that can be stored.
+
+use std::sync::Arc;
+
+use super::adjacency::PatchPair;
+use super::certificates::SelfCertificates;
+use super::layout::LayoutError;
+use super::self_front::{Apart, Place, SelfFront};
+use super::{Leaf, MorphBvh, Topology};
+use crate::bounds::LANES;
+use crate::model::WeightBox;
+
+/// The part of a [`TreeLayout`](super::TreeLayout) that has the certificates of a tree.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub(super) struct CertificateLayout {
+    low: Vec<f32>,
+    high: Vec<f32>,
+    /// Pairs of patches: two leaves, the index of a patch in each, and the mask of the pairs of triangles.
+    neighbours: Vec<(u32, u32, u8, u8, u64)>,
+    /// A child of a group, and children of another group as a mask.
+    apart: Vec<(u32, u8, u32, u8)>,
+    is_complete: bool,
+    /// Of all numbers above. What is missing from the lists would be missing from answers.
+    checksum: u64,
+}
+
+impl CertificateLayout {
+    pub(super) fn new(certificates: &SelfCertificates) -> Self {
+        let (weights, front) = (&certificates.weights, &certificates.front);
+        let intervals = (0..weights.len()).filter_map(|target| weights.interval(target));
+        let (low, high) = intervals.map(<(f32, f32)>::from).unzip();
+        let neighbours = front.neighbours.iter().map(|pair| {
+            let ([a, b], [i, j]) = (pair.leaves, pair.patches);
+            (a, b, i, j, pair.unrelated)
+        });
+        let apart = front.apart.iter();
+        let mut layout = Self {
+            low,
+            high,
+            neighbours: neighbours.collect(),
+            apart: apart
+                .map(|step| (step.node.group, step.node.lane, step.group, step.mask))
+                .collect(),
+            is_complete: front.is_complete,
+            checksum: 0,
+        };
+        layout.checksum = layout.sum();
+        layout
+    }
+
+    /// Certificates for the tree from whose layout they are.
+    ///
+    /// # Errors
+    /// They are corrupt.
+    pub(super) fn restore(&self, bvh: &MorphBvh) -> Result<SelfCertificates, LayoutError> {
+        let corrupt = |what: &'static str| LayoutError::Certificates { what };
+        if self.checksum != self.sum() {
+            return Err(corrupt("the checksum is wrong"));
+        }
+        let weights =
+            WeightBox::new(&self.low, &self.high).map_err(|_| corrupt("an interval of weights is invalid"))?;
+        if weights.len() != bvh.model().target_count() {
+            return Err(corrupt("the number of weights is wrong"));
+        }
+        let topology = &bvh.topology;
+        let front = SelfFront {
+            neighbours: self
+                .neighbours
+                .iter()
+                .map(|&pair| patch_pair(topology, pair))
+                .collect::<Option<_>>()
+                .ok_or(corrupt("a pair of leaves is invalid"))?,
+            apart: self
+                .apart
+                .iter()
+                .map(|&step| apart(topology, step))
+                .collect::<Option<_>>()
+                .ok_or(corrupt("a pair of nodes is invalid"))?,
+            is_complete: self.is_complete,
+        };
+        Ok(SelfCertificates {
+            weights,
+            topology: Arc::clone(topology),
+            front,
+        })
+    }
+
+    /// A hash of everything but the checksum (FNV-1a over numbers).
+    fn sum(&self) -> u64 {
+        let weights = self
+            .low
+            .iter()
+            .chain(&self.high)
+            .map(|weight| u64::from(weight.to_bits()));
+        let neighbours = self
+            .neighbours
+            .iter()
+            .flat_map(|&(a, b, i, j, mask)| [a.into(), b.into(), i.into(), j.into(), mask]);
+        let apart = self
+            .apart
+            .iter()
+            .flat_map(|&(a, i, b, mask)| [a.into(), i.into(), b.into(), u64::from(mask)]);
+        let counts = [
+            self.low.len(),
+            self.neighbours.len(),
+            self.apart.len(),
+            self.is_complete.into(),
+        ];
+        let all = counts
+            .map(|count| count as u64)
+            .into_iter()
+            .chain(weights)
+            .chain(neighbours)
+            .chain(apart);
+        all.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+            (hash ^ word).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
+}
+
+/// `None` if the tree has no such patches.
+fn patch_pair(topology: &Topology, (a, b, i, j, unrelated): (u32, u32, u8, u8, u64)) -> Option<PatchPair> {
+    let has = |leaf: u32, patch: u8| {
+        let leaf = leaf as usize;
+        leaf < topology.leaf_count() && usize::from(patch) < topology.patches(Leaf(leaf)).len()
+    };
+    // Bits of triangles that a patch does not have are harmless: no lane of a patch is compared beyond its triangles.
+    (a <= b && has(a, i) && has(b, j)).then_some(PatchPair {
+        leaves: [a, b],
+        patches: [i, j],
+        unrelated,
+    })
+}
+
+/// `None` if the tree has no such nodes.
+fn apart(topology: &Topology, (node, lane, group, mask): (u32, u8, u32, u8)) -> Option<Apart> {
+    let lanes = |group: u32| (group as usize) < topology.group_count();
+    let has = lanes(node)
+        && lanes(group)
+        && usize::from(lane) < topology.group(node as usize).children().len().min(LANES)
+        && mask & !topology.group(group as usize).mask() == 0;
+    has.then(|| Apart::new(Place { group: node, lane }, group as usize, mask))?
+}
+
+#[cfg(test)]
+mod tests {
+    use morph_collision_testkit::models::random::random_blob;
+
+    use super::*;
+    use crate::model::MorphModel;
+    use crate::proof::{Effort, SelfProof};
+    use crate::tree::BuildOptions;
+
+    #[test]
+    fn numbers_that_are_no_part_of_the_tree_are_errors_even_with_the_right_checksum() {
+        let blob = random_blob(3, 3, 2, 0.9);
+        let model = MorphModel::from_displacements(&blob.positions, &blob.triangles, &blob.targets).unwrap();
+        let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+        let proof = SelfProof::new(&bvh, &WeightBox::unit(2), Effort::default()).unwrap();
+        let layout = CertificateLayout::new(&proof.certificates(&proof.run()).unwrap());
+        assert!(layout.restore(&bvh).is_ok());
+        let breaks: [fn(&mut CertificateLayout); 12] = [
+            |layout| layout.low[0] = f32::NAN,
+            |layout| layout.high[1] = -1.0,
+            |layout| layout.low.push(0.0),
+            |layout| {
+                [&mut layout.low, &mut layout.high]
+                    .map(|ends| ends.push(0.0))
+                    .into_iter()
+                    .collect()
+            },
+            |layout| layout.neighbours[0].1 = u32::MAX,
+            |layout| layout.neighbours[0].0 = layout.neighbours[0].1 + 1,
+            |layout| layout.neighbours[0].2 = 255,
+            |layout| layout.neighbours[0].3 = 9,
+            |layout| layout.apart[0].0 = u32::MAX,
+            |layout| layout.apart[0].1 = 8,
+            |layout| layout.apart[0].2 = u32::MAX,
+            |layout| layout.apart[0].3 = 0,
+        ];
+        for (index, damage) in breaks.iter().enumerate() {
+            let mut broken = layout.clone();
+            damage(&mut broken);
+            assert!(broken.restore(&bvh).is_err(), "{index}");
+            broken.checksum = broken.sum();
+            let error = broken.restore(&bvh).err().map(|error| error.to_string());
+            let error = error.unwrap_or_else(|| panic!("{index} is accepted"));
+            assert!(
+                error.starts_with("tree layout: certificates: ") && error.ends_with("invalid") || index < 4,
+                "{error}"
+            );
+        }
+    }
+}

@@ -72,6 +72,7 @@ mod rigid_floor;
 mod skin;
 mod tree;
 mod walk;
+pub mod within;
 
 use std::fmt::Debug;
 use std::ops::ControlFlow;

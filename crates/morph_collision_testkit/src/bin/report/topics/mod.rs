@@ -14,6 +14,7 @@ mod motion;
 mod paper;
 mod rays;
 mod scale;
+mod self_collisions;
 mod skinned;
 mod threads;
 
@@ -51,7 +52,7 @@ pub(crate) struct Topic {
 }
 
 /// All topics, in the order in which they are measured.
-pub(crate) const TOPICS: [Topic; 15] = [
+pub(crate) const TOPICS: [Topic; 16] = [
     methods::TOPIC,
     faces::TOPIC,
     skinned::TOPIC,
@@ -65,6 +66,7 @@ pub(crate) const TOPICS: [Topic; 15] = [
     kernels::TOPIC,
     bytes::TOPIC,
     motion::TOPIC,
+    self_collisions::TOPIC,
     instructions::TOPIC,
     goals::TOPIC,
 ];

@@ -411,6 +411,10 @@ instructions-check: release
         { ratio = $3 / before[$1 " " $2]; failed += ratio > 1.05 || $3 == 0; printf "%s  %.3f of %s\n", $0, ratio, before[$1 " " $2] }
         END { if (failed || NR != rows) exit 1 }' || { echo "slower than $recorded says, or not all of it was counted; record it anew if that is meant"; exit 1; }
 
+# Compares self-queries with and without certificates in COUNT random expressions of every mesh of MODELS.
+certificates COUNT="1000" *MODELS="assets/dolphin_564.glb assets/mh_character_low.glb assets/mh_head_eyes_teeth_arkit52.glb":
+    cargo run --release -p morph_collision_testkit --bin certificates -- {{COUNT}} {{MODELS}}
+
 # Checks nearly degenerate pairs of triangles against exact arithmetic: a million of them by default.
 triangles *ARGS:
     cargo run --release -p morph_collision_testkit --bin triangles -- {{ARGS}}

@@ -1,0 +1,91 @@
+//! `certificates COUNT MODEL...`: compares self-queries with and without certificates for all weights from 0 to 1, in random expressions.
+//! Exits with 1 if any answers differ. Joints are left out, because certificates are about targets alone.
+
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use morph_collision::{BuildOptions, MorphBvh, Pose, SelfQuery, TrianglePair};
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::rivals::within::certify;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match run(&arguments) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("certificates: error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints a row per mesh and returns how many answers differ.
+fn run(arguments: &[String]) -> Result<u64, Box<dyn Error>> {
+    let [count, models @ ..] = arguments else {
+        return Err("usage: certificates COUNT MODEL...".into());
+    };
+    let count: u64 = count.parse().map_err(|_| "COUNT must be a whole number")?;
+    println!(
+        "{:36} {:>9} {:>7} {:>11} {:>12} {:>9}",
+        "mesh", "triangles", "targets", "expressions", "pairs", "different"
+    );
+    let mut different = 0;
+    for model in models {
+        let path = Path::new(model);
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        for (index, mesh) in read_meshes(path).map_err(Box::new)?.into_iter().enumerate() {
+            if mesh.targets.is_empty() {
+                continue;
+            }
+            let mesh = MorphMesh { skin: None, ..mesh };
+            let (pairs, own) = compare(&mesh, count)?;
+            let (triangles, targets) = (mesh.triangles.len(), mesh.targets.len());
+            println!(
+                "{:36} {triangles:9} {targets:7} {count:11} {pairs:12} {own:9}",
+                format!("{file}, {index}")
+            );
+            different += own;
+        }
+    }
+    Ok(different)
+}
+
+/// How many pairs were found in all expressions, and in how many expressions the answers differ.
+fn compare(mesh: &MorphMesh, count: u64) -> Result<(u64, u64), Box<dyn Error>> {
+    let model = Arc::new(mesh.to_model()?);
+    let trees = [(); 2].map(|()| Arc::new(MorphBvh::build(model.clone(), &BuildOptions::default())));
+    certify(&trees[0])?;
+    let mut poses = trees.map(Pose::new);
+    let (mut query, mut rng) = (SelfQuery::new(), Pcg64Mcg::seed_from_u64(26));
+    let (mut found, mut different) = (0, 0);
+    let mut answers: [Vec<TrianglePair>; 2] = Default::default();
+    for _ in 0..count {
+        let weights = expression(mesh.targets.len(), &mut rng);
+        for (pose, pairs) in poses.iter_mut().zip(&mut answers) {
+            pose.set_weights(&weights)?;
+            pairs.clear();
+            query.all(pose, pairs);
+            pairs.sort_unstable();
+        }
+        found += answers[1].len() as u64;
+        different += u64::from(answers[0] != answers[1]);
+    }
+    Ok((found, different))
+}
+
+/// Any number of targets, with any weights from 0 to 1 or at the ends.
+fn expression(targets: usize, rng: &mut Pcg64Mcg) -> Vec<f32> {
+    let (share, is_extreme) = (rng.random_range(0.0..1.0), rng.random_bool(0.25));
+    let weight = |_| match rng.random_bool(share) {
+        true if is_extreme => 1.0,
+        true => rng.random_range(0.0..=1.0),
+        false => 0.0,
+    };
+    (0..targets).map(weight).collect()
+}

@@ -61,7 +61,7 @@ package-list:
 
 # Lists the public items of a published crate (cargo install cargo-public-api --locked; rustup toolchain install nightly --profile minimal).
 public-api CRATE="morph_collision":
-    cargo public-api --all-features -p {{CRATE}}
+    cargo public-api --all-features --omit blanket-impls,auto-trait-impls,auto-derived-impls -p {{CRATE}}
 
 # Compares the public API with the last release on crates.io, or with BASELINE, a commit (cargo install cargo-semver-checks --locked).
 semver-checks BASELINE="":

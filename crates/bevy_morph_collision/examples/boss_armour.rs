@@ -4,10 +4,7 @@
 //! `MorphBodyCollisionStart` on the *boss* fires once per volley; play the sound there.
 //!
 //! To run it: `cargo run -p bevy_morph_collision --features cookbook --example boss_armour`
-//!
 //! For your game, replace `plate` with glTF meshes that have targets for dents, and `volley` with whatever your players throw.
-
-use std::time::Duration;
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
@@ -16,7 +13,6 @@ use bevy::time::common_conditions::on_timer;
 use bevy_morph_collision::prelude::*;
 
 pub(crate) const DENT: f32 = 0.4;
-const RADIUS: f32 = 0.15;
 
 fn main() {
     App::new()
@@ -25,8 +21,8 @@ fn main() {
 }
 
 pub(crate) fn game(app: &mut App) {
-    app.add_systems(Startup, set_up)
-        .add_systems(Update, (volley.run_if(on_timer(Duration::from_secs(2))), fly));
+    let volley = volley.run_if(on_timer(core::time::Duration::from_secs(2)));
+    app.add_systems(Startup, set_up).add_systems(Update, (volley, fly));
 }
 
 /// Counts the volleys that have hit the boss.
@@ -60,16 +56,13 @@ fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut material
     };
     let boss = (Boss(0), scene, Visibility::default());
     let boss = commands.spawn(boss).observe(cry).id();
-    let mut part = |health: u32, mesh: &Handle<Mesh>, color: Color, place: Vec3| {
-        let look = (Mesh3d(mesh.clone()), MeshMaterial3d(materials.add(color)));
+    let [flesh, plate] = [Cuboid::new(4.2, 1.4, 0.8).into(), plate()].map(|mesh: Mesh| Mesh3d(meshes.add(mesh)));
+    let steel = Color::srgb(0.5, 0.55, 0.6);
+    let mut part = |health: u32, mesh: &Mesh3d, color: Color, place: Vec3| {
+        let look = (mesh.clone(), MeshMaterial3d(materials.add(color)));
         let part = (Part(health), look, Transform::from_translation(place), ChildOf(boss));
         commands.spawn(part).observe(hit).id()
     };
-    let (flesh, plate, steel) = (
-        meshes.add(Cuboid::new(4.2, 1.4, 0.8)),
-        meshes.add(plate()),
-        Color::srgb(0.5, 0.55, 0.6),
-    );
     part(5, &flesh, Color::srgb(0.7, 0.2, 0.2), Vec3::NEG_Z * 1.2);
     for plate in [(-1.4, 2), (0.0, 3), (1.4, 4)].map(|(x, health)| part(health, &plate, steel, Vec3::X * x)) {
         let undented = MeshMorphWeights::Value { weights: vec![0.0] };
@@ -83,23 +76,20 @@ fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut material
     ));
 }
 
-/// Throws a volley, until all parts of the boss are broken.
+/// Throws a volley. Does not run once all parts of the boss are broken, because then `Populated` finds none.
 fn volley(
     old: Query<Entity, With<Volley>>,
-    parts: Query<(), (With<Part>, Without<MorphColliderDisabled>)>,
+    _alive: Populated<(), (With<Part>, Without<MorphColliderDisabled>)>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    if parts.is_empty() {
-        return;
-    }
     old.iter().for_each(|volley| commands.entity(volley).despawn());
-    let ball = Mesh3d(meshes.add(Sphere::new(RADIUS)));
+    let ball = Mesh3d(meshes.add(Sphere::new(0.15)));
     let volley = (Volley, Transform::from_xyz(0.0, 0.0, 5.0), Visibility::default());
     let volley = commands.spawn(volley).id();
     for x in [-1.4, 0.0, 1.4] {
         commands.spawn((
-            MorphShape::Ball { radius: RADIUS },
+            MorphShape::Ball { radius: 0.15 },
             // The three balls are one body.
             MorphColliderOf { body: volley },
             (ball.clone(), MeshMaterial3d::<StandardMaterial>::default()),
@@ -140,13 +130,13 @@ fn hit(
         *weights = MeshMorphWeights::Value { weights: dent };
     }
     // The ball sticks where it hit and follows the dent, so it keeps touching the boss until the volley is despawned.
-    if let Some(pair) = collisions.get(part, ball).and_then(|contact| contact.triangles.first())
-        // The ball may be despawned already, if its volley broke another part in this frame.
-        && let Ok(mut ball) = commands.get_entity(ball)
-    {
+    let contact = collisions.get(part, ball);
+    if let Some(pair) = contact.and_then(|contact| contact.triangles.first()) {
         // A ball has no triangles. Its index in the pair is larger than any triangle's.
         let triangle = pair.triangle_a.min(pair.triangle_b);
-        ball.insert(MorphSurfaceAnchor::new(part, triangle, Vec3::splat(1.0 / 3.0)));
+        let anchor = MorphSurfaceAnchor::new(part, triangle, Vec3::splat(1.0 / 3.0));
+        // The ball may be despawned already, if its volley broke another part in this frame.
+        commands.entity(ball).try_insert(anchor);
     }
 }
 

@@ -30,14 +30,10 @@ fn main() {
 }
 
 pub(crate) fn game(app: &mut App) {
-    app.init_resource::<Score>().add_systems(Startup, set_up).add_systems(
-        Update,
-        (
-            chew,
-            throw.run_if(resource_exists::<Hungry>).run_if(on_timer(EVERY)),
-            fly,
-        ),
-    );
+    let throw = throw.run_if(resource_exists::<Hungry>).run_if(on_timer(EVERY));
+    app.init_resource::<Score>()
+        .add_systems(Startup, set_up)
+        .add_systems(Update, (chew, throw, fly));
 }
 
 #[derive(Resource, Default, Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ default:
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
 # and all release steps a third one without Bevy.
 # The checks that must pass before a change lands: less than half an hour on two cores.
-ci: fmt-check spell clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
+ci: fmt-check spell licences clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
@@ -61,7 +61,7 @@ package-list:
 
 # Lists the public items of a published crate (cargo install cargo-public-api --locked; rustup toolchain install nightly --profile minimal).
 public-api CRATE="morph_collision":
-    cargo public-api --all-features -p {{CRATE}}
+    cargo public-api --all-features --omit blanket-impls,auto-trait-impls,auto-derived-impls -p {{CRATE}}
 
 # Compares the public API with the last release on crates.io, or with BASELINE, a commit (cargo install cargo-semver-checks --locked).
 semver-checks BASELINE="":
@@ -71,7 +71,12 @@ semver-checks BASELINE="":
     # The test kit and the tool promise no stable API.
     cargo semver-checks --all-features -p morph_collision -p bevy_morph_collision "${baseline[@]}"
 
-# Advisories are fetched from GitHub. Without access to it: just deny licenses bans sources.
+# Checks licences and sources of dependencies by deny.toml. Advisories need access to GitHub, so only `deny` checks them.
+licences:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    if ! command -v cargo-deny > /dev/null; then echo "skipped: licences are not checked, because cargo-deny is not installed"; exit; fi
+    cargo deny check licenses bans sources
 
 # Checks licences, sources and advisories of dependencies by deny.toml (needs cargo install cargo-deny --locked).
 deny *CHECKS:

@@ -1,28 +1,26 @@
 //! Twelve dolphins swim closely together as a group, roll, and touch now and then.
 //!
-//! This is the second experiment of the paper on which this project is based. It uses what a game would use: the asset server,
-//! the glTF loader, Bevy's animation and the collision plugin. With the feature `render` the dolphins are drawn, unless
+//! This is the second experiment of the paper on which this project is based (its Fig. 7). It uses what a game would use: the asset
+//! server, the glTF loader, Bevy's animation and the collision plugin. With the feature `render` the dolphins are drawn, unless
 //! `--headless` asks for numbers. `--help` lists the options.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use clap::{Parser, builder::PossibleValuesParser};
-use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision_workspace::outcome::{exit_code, print, print_report};
-use morph_collision_workspace::{
-    app,
-    error::ExampleError,
-    instances::Instances,
-    options::ViewOptions,
-    report::Report,
-    touching::{Changes, TouchingBodies},
-};
 #[cfg(feature = "render")]
-use morph_collision_workspace::{shows, view};
+use morph_collision_testkit::scenes::dolphins as lanes;
+use morph_collision_workspace::app;
+use morph_collision_workspace::error::ExampleError;
+use morph_collision_workspace::instances::Instances;
+use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::outcome::{exit_code, print, print_report, progress_bar};
+use morph_collision_workspace::report::Report;
+use morph_collision_workspace::touching::TouchingBodies;
+#[cfg(feature = "render")]
+use morph_collision_workspace::view::{self, Show, clock::*, group::*};
 
 /// Morphing dolphins that swim as a group and touch now and then.
 ///
@@ -59,28 +57,24 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<(), ExampleError> {
     let (frames, count) = (options.frames as usize, options.count as usize);
     let model = options.model.clone().unwrap_or_else(|| {
-        let assets = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
+        let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
         assets.join(format!("dolphin_{}.glb", options.triangles))
     });
     let file = app::locate(&model)?;
     if options.view.is_drawn("dolphins", options.headless || options.json)? {
         #[cfg(feature = "render")]
-        return view::run(shows::dolphins(&file, count, options.model.is_some()), &options.view);
+        return view::run(show(&file, count, options.model.is_some()), &options.view);
     }
     let kind = if options.model.is_some() { "body" } else { "dolphin" };
 
     let mut app = app::headless(file.parent().unwrap_or(&file));
-    // Files that cannot be loaded are reported below, by name.
-    app.add_plugins(LogPlugin {
-        filter: "error,bevy_asset=off".into(),
-        ..LogPlugin::default()
-    });
+    app.add_plugins(app::log());
     app::ready(&mut app);
     let instances = Instances::spawn(&mut app, &file, count, options.model.is_some())?;
 
     let mut report = Report::of(&instances);
     let mut touching = TouchingBodies::default();
-    let progress = progress_bar(frames);
+    let progress = progress_bar(frames as u64);
     for frame in 0..frames {
         instances.advance(app.world_mut(), frame, frames);
         app.update();
@@ -92,7 +86,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
             touching.len(),
         );
         if !options.json && (!changes.started.is_empty() || !changes.ended.is_empty()) {
-            progress.suspend(|| print(&describe(frame, &changes, kind, &instances.roots)));
+            progress.suspend(|| print(&changes.describe(frame, kind, &instances.roots)));
         }
         progress.inc(1);
         progress.set_message(format!("{} touching", touching.len()));
@@ -104,20 +98,39 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     Ok(())
 }
 
-/// A progress bar, if stderr is a terminal.
-fn progress_bar(frames: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("frame {pos}/{len} {wide_bar} {per_sec}, {msg}");
-    ProgressBar::new(frames as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+/// Closer together than in the timed scene, so that more contacts can be seen.
+#[cfg(feature = "render")]
+const CLOSER: Vec3 = Vec3::new(1.0, 0.8, 0.8);
+
+/// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` model is not a dolphin.
+#[cfg(feature = "render")]
+#[must_use]
+pub fn show(model: &Path, count: usize, foreign: bool) -> Show {
+    let group = Group::new(model, count, foreign);
+    Show {
+        name: "dolphins",
+        about: "Dolphins, morphed by the GPU, swim as a group. Touching triangles are red.",
+        keys: &[],
+        eye: Vec3::new(1.15, 1.1, 2.5),
+        target: Vec3::new(0.0, -0.1, 0.0),
+        pictures: &[20, 60, 240, 380],
+        scene: Box::new(move |app| {
+            group.join(app);
+            app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin))
+                .add_systems(Update, swim.run_if(started));
+        }),
+    }
 }
 
-/// One line per pair that started or stopped touching.
-fn describe(frame: usize, changes: &Changes, kind: &str, roots: &[Entity]) -> String {
-    let number = |body: Entity| roots.iter().position(|&root| root == body).unwrap_or(roots.len());
-    let line = |&(a, b): &(Entity, Entity), what: &str| {
-        let (a, b) = (number(a).min(number(b)), number(a).max(number(b)));
-        format!("frame {frame}  {kind} {a} {what} touching {kind} {b}\n")
-    };
-    let started = changes.started.iter().map(|pair| line(pair, "started"));
-    let ended = changes.ended.iter().map(|pair| line(pair, "stopped"));
-    started.chain(ended).collect()
+#[cfg(feature = "render")]
+fn swim(mut dolphins: Query<(&Member, &mut Transform)>, group: Res<Group>, clock: Res<Clock>) {
+    let frames = lanes::FRAMES * FRACTIONS;
+    let now = clock.fractions() % frames;
+    for (&Member(index), mut place) in &mut dolphins {
+        let lane = lanes::placement(index, group.count, now, frames);
+        let (_, rotation, translation) = lane.to_scale_rotation_translation();
+        // The camera swims along.
+        let translation = (translation - Vec3::X * lanes::way(now, frames)) * CLOSER;
+        *place = group.place(Transform::from_translation(translation).with_rotation(rotation));
+    }
 }

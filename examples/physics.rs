@@ -4,23 +4,22 @@
 //! With the feature `render` it is drawn and played with the keyboard, unless `--headless` asks for numbers. `--help` lists the
 //! options.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use bevy::asset::AssetPath;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::Velocity;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision_workspace::app::{headless, is_loaded, locate, ready, update_until};
+use morph_collision_workspace::app::{is_loaded, locate, ready, update_until, without_collisions};
 use morph_collision_workspace::error::ExampleError;
-use morph_collision_workspace::heaving::{self, Falling, Game, Hill, MODEL, Player, Tally};
+use morph_collision_workspace::heaving::{self, Game, Hill, MODEL, Player, RATE, Report};
 use morph_collision_workspace::options::ViewOptions;
-use morph_collision_workspace::outcome::{exit_code, print_report};
+use morph_collision_workspace::outcome::{exit_code, print_report, progress_bar};
 #[cfg(feature = "render")]
-use morph_collision_workspace::{shows, view};
-use serde::Serialize;
+use morph_collision_workspace::view::{self, Show};
 
 /// A player walks on a heaving hill while balls and boxes rain down.
 #[derive(Parser)]
@@ -50,35 +49,33 @@ struct Options {
     json: bool,
 }
 
-/// The result of a run.
-#[derive(Serialize)]
-struct Report {
-    bodies: usize,
-    frames: u32,
-    /// Bodies whose centre went through the hill.
-    fell_through: usize,
-    /// Bodies that hardly move at the end.
-    resting: usize,
-    /// Steps since the player first stood on something.
-    player_steps: u32,
-    /// The share of these steps after which it was on the ground, according to Rapier's controller.
-    player_grounded: f64,
-    /// The share of these steps after which the hill was below its feet.
-    player_on_hill: f64,
-    /// How far it walked, seen from above.
-    player_walked: f64,
-    /// Time of whole frames, in microseconds.
-    frame_us: Times,
-}
-
-#[derive(Serialize)]
-struct Times {
-    median: f64,
-    worst: f64,
-}
-
 fn main() -> ExitCode {
     exit_code(run(&Options::parse()))
+}
+
+/// What makes a deforming mesh part of physics. `heaving` has the player, the rain and the clip.
+pub(crate) fn play(app: &mut App) {
+    app.add_plugins((
+        MorphCollisionPlugin::default(),
+        // Physics runs in fixed steps, independently of the frame rate. Both plugins have to know.
+        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
+        MorphRapierPlugin::new(FixedUpdate),
+        heaving::plugin,
+    ))
+    .insert_resource(Time::<Fixed>::from_hz(RATE))
+    .insert_resource(heaving::timestep())
+    .add_systems(Startup, spawn_hill);
+}
+
+fn spawn_hill(mut commands: Commands, assets: Res<AssetServer>, game: Res<Game>) {
+    let file = AssetPath::from_path_buf(game.model.clone());
+    commands.spawn((
+        Hill::new(assets.load(file.clone())),
+        WorldAssetRoot(assets.load(file.with_label("Scene0"))),
+        // Adds physics to every deforming mesh below it.
+        MorphRapierScene::default(),
+        Visibility::default(),
+    ));
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
@@ -93,11 +90,10 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     };
     if options.view.is_drawn("physics", options.headless || options.json)? {
         #[cfg(feature = "render")]
-        return view::run(shows::physics(game), &options.view);
+        return view::run(show(game), &options.view);
     }
     let mut app = begin(game)?;
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len}").unwrap_or(ProgressStyle::default_bar());
-    let progress = ProgressBar::new(options.frames.into()).with_style(style);
+    let progress = progress_bar(options.frames.into());
     let mut times = Vec::new();
     for _ in 0..options.frames {
         let start = Instant::now();
@@ -106,16 +102,15 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let report = report(&mut app, times);
-    print_report(&report, options.json);
+    print_report(&Report::of(&mut app, times), options.json);
     Ok(())
 }
 
 /// The game without a window. Waits until the hill is loaded, then adds the player and the rain above it.
 fn begin(game: Game) -> Result<App, ExampleError> {
     let file = game.model.clone();
-    let mut app = headless(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets")));
-    app.insert_resource(game).add_plugins(heaving::plugin);
+    let mut app = without_collisions(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets")));
+    app.insert_resource(game).add_plugins(play);
     ready(&mut app);
     let mut hills = app.world_mut().query::<&Hill>();
     let mut players = app.world_mut().query_filtered::<(), With<Player>>();
@@ -128,59 +123,25 @@ fn begin(game: Game) -> Result<App, ExampleError> {
     Ok(app)
 }
 
-fn report(app: &mut App, mut times: Vec<f64>) -> Report {
-    let frames = times.len() as u32;
-    times.sort_by(f64::total_cmp);
-    let tenths = |us: f64| (us * 10.0).round() / 10.0;
-    let at = |place: usize| times.get(place).copied().map_or(0.0, tenths);
-    let frame_us = Times {
-        median: at(times.len() / 2),
-        worst: at(times.len().saturating_sub(1)),
-    };
-    let mut bodies = app.world_mut().query::<(&Falling, &Velocity)>();
-    let (mut count, mut fell_through, mut resting) = (0, 0, 0);
-    for (falling, velocity) in bodies.iter(app.world()) {
-        count += 1;
-        fell_through += usize::from(falling.through);
-        resting += usize::from(velocity.linear.length() < 0.2);
-    }
-    let tally = *app.world().resource::<Tally>();
-    let thousandths = |x: f32| (f64::from(x) * 1e3).round() / 1e3;
-    Report {
-        bodies: count,
-        frames,
-        fell_through,
-        resting,
-        player_steps: tally.steps,
-        player_grounded: thousandths(tally.share(tally.grounded)),
-        player_on_hill: thousandths(tally.share(tally.on_hill)),
-        player_walked: thousandths(tally.walked),
-        frame_us,
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            bodies,
-            frames,
-            fell_through,
-            resting,
-            player_steps,
-            player_grounded,
-            player_on_hill,
-            player_walked,
-            frame_us: Times { median, worst },
-        } = self;
-        writeln!(f, "{bodies} bodies, {frames} frames")?;
-        writeln!(f, "  fell through   {fell_through}")?;
-        writeln!(f, "  resting        {resting}")?;
-        writeln!(
-            f,
-            "  player         {:.1} % of {player_steps} steps on its feet, {:.1} % on the hill, walked {player_walked:.1}",
-            100.0 * player_grounded,
-            100.0 * player_on_hill
-        )?;
-        write!(f, "  per frame      {median:.0} us median, {worst:.0} us worst")
+/// The game, drawn.
+#[cfg(feature = "render")]
+#[must_use]
+pub fn show(game: Game) -> Show {
+    Show {
+        name: "physics",
+        about: "A hill from a glTF file heaves as its clip says: it carries who walks on it, and throws what falls on it. \
+            Physics in fixed steps, by Rapier.",
+        keys: &[
+            ("W A S D, arrows", "walk; alone, it walks by itself"),
+            ("Space", "jump"),
+        ],
+        // Shifted a little to the left, because of the panel.
+        eye: Vec3::new(-0.9, 4.3, 8.4),
+        target: Vec3::new(-0.9, 0.8, 0.0),
+        pictures: &[60, 180, 360, 540],
+        scene: Box::new(move |app| {
+            app.insert_resource(game)
+                .add_plugins((play, MorphBoundsPlugin, heaving::stage::plugin));
+        }),
     }
 }

@@ -1,9 +1,9 @@
 //! A slap at ten frames a second. The hand is on one side of the face in one frame and on the other side in the next, so a discrete
 //! collider misses. A continuous one tells when, where and how fast it hit.
 //!
-//! With the feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
+//! `game` is what you would copy: `with_continuous(true)` on a collider, and an observer that reads the event's `impact`. With the
+//! feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
 
-use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -16,10 +16,9 @@ use morph_collision_workspace::character::MODEL;
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::options::ViewOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report};
-use morph_collision_workspace::slap::{self, Felt, Moment, PERIOD, Role, TICK, Tally};
+use morph_collision_workspace::slap::{self, Felt, Mark, Moment, PERIOD, Report, Role, Side, TICK, Tally};
 #[cfg(feature = "render")]
-use morph_collision_workspace::{shows, view};
-use serde::Serialize;
+use morph_collision_workspace::view::{self, Show};
 
 /// A slap between two frames, with a discrete and with a continuous collider.
 #[derive(Parser)]
@@ -37,91 +36,108 @@ struct Options {
     json: bool,
 }
 
-/// The result of a run.
-#[derive(Serialize)]
-struct Report {
-    slaps: u32,
-    felt_discrete: u32,
-    felt_continuous: u32,
-    /// When the last one hit, as a share of the time between two frames.
-    share: Option<f64>,
-    /// The speed of the hand then, in metres per second.
-    speed: f32,
-}
-
 fn main() -> ExitCode {
-    let options = Options::parse();
-    let drawn = options.view.is_drawn("slap", options.headless || options.json);
-    let done = drawn.and_then(|drawn| if drawn { draw(&options) } else { count(&options) });
-    exit_code(done)
+    exit_code(run(&Options::parse()))
 }
 
-#[cfg(feature = "render")]
-fn draw(options: &Options) -> Result<(), ExampleError> {
-    view::run(shows::slap(), &options.view)
+fn game(app: &mut App) {
+    // `slap::plugin` moves arms and faces, and counts.
+    app.add_plugins((MorphCollisionPlugin::default(), slap::plugin))
+        .add_systems(Startup, spawn);
 }
 
-#[cfg(not(feature = "render"))]
-fn draw(_: &Options) -> Result<(), ExampleError> {
-    Err(ExampleError::NotDrawn("slap"))
+fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+    for side in [Side::Discrete, Side::Continuous] {
+        for role in [Role::Slaps, Role::IsSlapped] {
+            // Of two colliders, one has to be continuous.
+            let is_continuous = role == Role::Slaps && side == Side::Continuous;
+            let collider = MorphCollider::new(MorphCollisionMode::First).with_continuous(is_continuous);
+            let scene = MorphColliderScene { collider, ..default() };
+            let model = WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(MODEL)));
+            let mut actor = commands.spawn((side, role, model, scene, Visibility::default(), role.place(side)));
+            if role == Role::IsSlapped {
+                actor.observe(feel);
+            }
+        }
+    }
 }
 
-fn count(options: &Options) -> Result<(), ExampleError> {
-    let report = run(options.slaps)?;
-    print_report(&report, options.json);
-    Ok(())
+/// Observes the one who is slapped: remembers that a slap was felt, and marks the place on the skin.
+fn feel(
+    start: On<MorphBodyCollisionStart>,
+    sides: Query<&Side>,
+    marks: Query<(Entity, &Side), With<Mark>>,
+    moment: Res<Moment>,
+    time: Res<Time>,
+    mut tally: ResMut<Tally>,
+    mut commands: Commands,
+) {
+    let Ok(&side) = sides.get(start.body1) else { return };
+    if !moment.started {
+        return;
+    }
+    // If the app draws several frames in a tick, everything that moves does so in the first of them.
+    let slower = time.delta_secs() / TICK.as_secs_f32();
+    tally.felt[side as usize] += 1;
+    tally.last[side as usize] = Some(Felt {
+        tick: moment.tick,
+        share: start.impact.map(|impact| impact.earliest),
+        speed: start.impact.map_or(0.0, |impact| impact.velocity.length() * slower),
+    });
+    for (mark, _) in marks.iter().filter(|(_, of)| **of == side) {
+        commands.entity(mark).despawn();
+    }
+    if let Some(MorphImpact {
+        triangles,
+        barycentrics,
+        ..
+    }) = start.impact
+    {
+        let anchor = MorphSurfaceAnchor::new(start.collider1, triangles.triangle_a, barycentrics[0]);
+        commands.spawn((Mark, side, anchor));
+    }
 }
 
-fn run(slaps: u32) -> Result<Report, ExampleError> {
+fn run(options: &Options) -> Result<(), ExampleError> {
+    if options.view.is_drawn("slap", options.headless || options.json)? {
+        #[cfg(feature = "render")]
+        return view::run(show(), &options.view);
+    }
     let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
-    let mut app = app::headless(assets);
+    let mut app = app::without_collisions(assets);
     app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK))
-        .add_plugins(slap::plugin);
+        .add_plugins(game)
+        .init_resource::<Ready>()
+        .add_observer(|_: On<MorphColliderSceneReady>, mut ready: ResMut<Ready>| ready.0 += 1);
     app::ready(&mut app);
-    let model = assets.join(MODEL);
-    app.init_resource::<Ready>();
-    app.add_observer(|_: On<MorphColliderSceneReady>, mut ready: ResMut<Ready>| ready.0 += 1);
-    update_until(&mut app, &model, |world| {
-        let actors = world.query_filtered::<(), With<Role>>().iter(world).count();
-        Ok(actors > 0 && world.resource::<Ready>().0 == actors)
+    update_until(&mut app, &assets.join(MODEL), |world| {
+        Ok(world.resource::<Ready>().0 == 4)
     })?;
-    for tick in 0..slaps * PERIOD {
+    for tick in 0..options.slaps * PERIOD {
         app.insert_resource(Moment { tick, started: true });
         app.update();
     }
-    let Tally { slaps, felt, last } = app.world().resource::<Tally>().clone();
-    let [_, last] = last;
-    Ok(Report {
-        slaps,
-        felt_discrete: felt[0],
-        felt_continuous: felt[1],
-        share: last.and_then(|felt| felt.share),
-        speed: last.map_or(0.0, |Felt { speed, .. }| speed),
-    })
+    print_report(&Report::from(app.world().resource::<Tally>()), options.json);
+    Ok(())
 }
 
 /// The number of characters that are ready to collide.
 #[derive(Resource, Default)]
 struct Ready(usize);
 
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{} slaps, at {} frames a second",
-            self.slaps,
-            1.0 / TICK.as_secs_f32()
-        )?;
-        writeln!(f, "  discrete      felt {}", self.felt_discrete)?;
-        write!(f, "  continuous    felt {}", self.felt_continuous)?;
-        match self.share {
-            Some(share) => write!(
-                f,
-                "; the last after {:.1} % of a frame, at {:.1} m/s",
-                100.0 * share,
-                self.speed
-            ),
-            None => Ok(()),
-        }
+/// Two pairs of the CC0 character.
+#[cfg(feature = "render")]
+#[must_use]
+pub fn show() -> Show {
+    Show {
+        name: "slap",
+        about: "A slap at ten frames a second: lines join the places of the hand in two frames. Left: discrete. Right: continuous.",
+        keys: &[],
+        eye: Vec3::new(-0.3, 1.25, 2.0),
+        target: Vec3::new(-0.3, 0.5, 0.0),
+        pictures: &[34, 38, 50],
+        scene: Box::new(|app| {
+            app.add_plugins((game, MorphBoundsPlugin, slap::stage::plugin));
+        }),
     }
 }

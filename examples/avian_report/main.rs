@@ -59,7 +59,7 @@ fn at_rest(method: Method, mesh: &MorphMesh, kind: Kind) -> (App, Surface<'_>, E
 fn behaviour() -> String {
     let mesh = sheet(32);
     let mut table = String::from(
-        "| way | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
+        "| method | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
     );
     for method in Method::ALL {
         let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
@@ -113,7 +113,7 @@ fn drops(batches: u64) -> String {
     let mesh = bowl();
     let per_batch = 100;
     let progress = progress(batches * 2);
-    let mut table = String::from("| way | drops | fell through | left over the rim |\n|---|--:|--:|--:|\n");
+    let mut table = String::from("| method | drops | fell through | left over the rim |\n|---|--:|--:|--:|\n");
     for method in Method::ALL {
         let (mut through, mut left) = (0, 0);
         for batch in 0..batches {

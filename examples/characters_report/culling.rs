@@ -83,7 +83,7 @@ impl Seen {
 /// The size of boxes.
 pub(crate) fn sizes(quick: bool) -> Result<String, String> {
     let mut table = String::from(
-        "| model | clip | boxes | ours: median | worst | boxes that some vertex is outside of | Bevy's: median | worst | boxes that some vertex is outside of |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n",
+        "| model | clip | boxes | ours: median | worst | boxes with a vertex outside | Bevy's: median | worst | boxes with a vertex outside |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for (name, own_rows) in MODELS {
         let model = Model::find(name)?;

@@ -141,7 +141,7 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
     let upkeep = median(upkeep.into_iter());
     let _infallible = writeln!(
         table,
-        "\nBesides, `MorphCollisionPlugin` takes {upkeep:.0} µs in each frame to keep the {CHARACTERS} characters' joints, weights and boxes."
+        "\nIn addition, `MorphCollisionPlugin` takes {upkeep:.0} µs in each frame to keep the {CHARACTERS} characters' joints, weights and boxes."
     );
     Ok(table)
 }
@@ -180,7 +180,7 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     }
     bar.finish_and_clear();
     let mut table = String::from(
-        "| way | rays | that hit a character in truth | another character, none, or one where there is none | the right one, over 1 cm off | wrong |\n|---|--:|--:|--:|--:|--:|\n",
+        "| method | rays | that hit a character, by brute force | wrong character, none, or one where there is none | right character, over 1 cm off | wrong |\n|---|--:|--:|--:|--:|--:|\n",
     );
     for (name, [who, place]) in ["`MorphSpatialQuery`", "`MeshRayCast`"].iter().zip(wrong) {
         let share = 100.0 * (who + place) as f64 / rays as f64;

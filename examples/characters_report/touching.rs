@@ -171,7 +171,7 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let moments: u32 = if quick { 2 } else { 15 };
     let mut table = String::from(
-        "| crowd | way | touching pairs of characters in truth | reported | missed | false |\n|---|---|--:|--:|--:|--:|\n",
+        "| crowd | method | touching pairs of characters, by brute force | reported | missed | false |\n|---|---|--:|--:|--:|--:|\n",
     );
     let bar = progress(u64::from(moments) * CROWDS.len() as u64);
     for (crowd, apart) in CROWDS {

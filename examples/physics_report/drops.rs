@@ -19,8 +19,9 @@ pub(super) fn table(quick: bool) -> String {
     let per_batch = 100;
     let speeds = [1.0, 2.0, 5.0, 20.0];
     let progress = progress(batches * 4 * speeds.len() as u64);
-    let mut table =
-        String::from("| way | CCD | speed | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|--:|\n");
+    let mut table = String::from(
+        "| method | CCD | speed | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|--:|\n",
+    );
     for ccd in [false, true] {
         for method in [Method::Ours, Method::NewMesh] {
             for speed in speeds {

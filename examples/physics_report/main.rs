@@ -109,7 +109,7 @@ fn behaviour() -> String {
     let mesh = sheet(32);
     let ball = || Collider::ball(0.5);
     let mut table = String::from(
-        "| way | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
+        "| method | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
     );
     for method in Method::ALL {
         let (mut app, mut surface, body) = at_rest(method, &mesh, ball());

@@ -6,6 +6,7 @@ use std::time::Duration;
 use bevy::animation::AnimationPlugin;
 use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState, UnapprovedPathMode, UntypedAssetId};
 use bevy::gltf::{Gltf, GltfPlugin};
+use bevy::log::LogPlugin;
 use bevy::mesh::MeshPlugin;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -51,6 +52,14 @@ pub fn without_collisions(assets: &Path) -> App {
     ))
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     app
+}
+
+/// Logs errors, except about files that cannot be loaded: examples report those by name.
+pub fn log() -> LogPlugin {
+    LogPlugin {
+        filter: "error,bevy_asset=off".into(),
+        ..LogPlugin::default()
+    }
 }
 
 /// Does what a runner does before the first frame. From here on, call [`App::update`].

@@ -3,8 +3,12 @@
 // Systems need many parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
+// Examples are also modules of this library, and name it as they do when they are programs.
+extern crate self as morph_collision_workspace;
+
 pub mod app;
 pub mod character;
+pub mod costs;
 pub mod crowd;
 pub mod drawn;
 pub mod error;
@@ -12,6 +16,8 @@ pub mod heaving;
 pub mod instances;
 pub mod options;
 pub mod outcome;
+#[cfg(feature = "render")]
+pub mod own;
 pub mod physics;
 pub mod report;
 #[cfg(feature = "render")]

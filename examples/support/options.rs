@@ -79,6 +79,16 @@ fn parse_animation(text: &str) -> Result<Animation, String> {
     parse().ok_or_else(|| "frames and a step, such as 0..400:8".into())
 }
 
+/// A percentage that is finite and not negative.
+#[allow(clippy::missing_errors_doc)]
+pub fn percentage(text: &str) -> Result<f32, String> {
+    let percent: f32 = text.parse().map_err(|error| format!("{error}"))?;
+    let is_good = (0.0..1e6).contains(&percent);
+    is_good
+        .then_some(percent)
+        .ok_or_else(|| "it must be from 0 to 1000000".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

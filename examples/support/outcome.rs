@@ -1,9 +1,10 @@
-//! How an example ends: with a report on standard output, or with an error.
+//! What an example prints: its progress, and a report or an error at the end.
 
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 /// The exit code of a run: 2 after an error, which is written to standard error.
@@ -33,4 +34,11 @@ pub fn print(text: &str) {
     if io::stdout().lock().write_all(text.as_bytes()).is_err() {
         std::process::exit(0);
     }
+}
+
+/// A progress bar for a number of frames, if standard error is a terminal.
+#[must_use]
+pub fn progress_bar(frames: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("frame {pos}/{len} {wide_bar} {per_sec} {msg}");
+    ProgressBar::new(frames).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

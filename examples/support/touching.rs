@@ -21,6 +21,21 @@ pub struct Changes {
     pub ended: Vec<(Entity, Entity)>,
 }
 
+impl Changes {
+    /// One line per pair that started or stopped touching: `frame 7  dolphin 0 started touching dolphin 1`.
+    #[must_use]
+    pub fn describe(&self, frame: usize, kind: &str, roots: &[Entity]) -> String {
+        let number = |body: Entity| roots.iter().position(|&root| root == body).unwrap_or(roots.len());
+        let line = |&(a, b): &(Entity, Entity), what: &str| {
+            let (a, b) = (number(a).min(number(b)), number(a).max(number(b)));
+            format!("frame {frame}  {kind} {a} {what} touching {kind} {b}\n")
+        };
+        let started = self.started.iter().map(|pair| line(pair, "started"));
+        let ended = self.ended.iter().map(|pair| line(pair, "stopped"));
+        started.chain(ended).collect()
+    }
+}
+
 impl TouchingBodies {
     /// Reads the messages of the latest frame.
     pub fn follow(&mut self, world: &World) -> Changes {

@@ -191,7 +191,7 @@ fn write_rows(text: &mut String, scene: &Scene, rows: &[Row], frames: usize) {
     let Scene { name, count, model, .. } = scene;
     let _ = write!(
         text,
-        "\n**{count} {name}** (`{model}`). {frames} frames; time 1 is {:.0} us.\n\n\
+        "\n**{count} {name}** (`{model}`). {frames} frames; a time of 1 is {:.0} us.\n\n\
          | tolerance, promised | found | time | colliders held | pairs compared | bound / true | missed | false |\n\
          |--:|--:|--:|--:|--:|--:|--:|--:|\n",
         rows.first().map_or(0.0, |row| median(row.times.iter().copied()))

@@ -11,10 +11,14 @@ use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_workspace::app::{headless, update_until};
+use morph_collision_workspace::app::{update_until, without_collisions};
 use morph_collision_workspace::heaving::{
-    self, Falling, Game, HALF_SEGMENT, IDLE, JUMP, MODEL, Player, RADIUS, SPEED, Tally, Wish,
+    Falling, Game, HALF_SEGMENT, IDLE, JUMP, MODEL, Player, RADIUS, SPEED, Tally, Wish,
 };
+
+#[path = "../../examples/physics.rs"]
+#[allow(dead_code, unreachable_pub, reason = "it is also a program")]
+mod physics;
 
 use crate::log::start;
 use crate::support::{global, run, truth};
@@ -25,9 +29,9 @@ fn assets() -> std::path::PathBuf {
 
 /// The game at the moment when the player is above the hill.
 fn game(bodies: u32) -> (App, Entity) {
-    let mut app = headless(&assets());
+    let mut app = without_collisions(&assets());
     app.insert_resource(Game { bodies, ..default() })
-        .add_plugins(heaving::plugin);
+        .add_plugins(physics::play);
     start(&mut app);
     let mut players = app.world_mut().query_filtered::<Entity, With<Player>>();
     update_until(&mut app, Path::new(MODEL), |world| {

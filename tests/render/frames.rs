@@ -11,7 +11,6 @@ use morph_collision_workspace::heaving::{Falling, Game, Player};
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::offscreen::Offscreen;
-use morph_collision_workspace::view::overlay::SelfTouching;
 use morph_collision_workspace::view::pointer::Script;
 use morph_collision_workspace::view::stage::{Notes, StageCamera, show_volumes};
 
@@ -60,8 +59,8 @@ fn a_face_runs_into_itself_and_wears_pins() {
     let (mut show, picture) = watch(shows::face(), 60);
     assert!(count(&picture, is_red) > 5, "nothing is red");
     let world = show.app_mut().world_mut();
-    let pairs = world.query::<&SelfTouching>().single(world).unwrap().0.len();
-    assert!(pairs > 0, "a speaking mouth touches itself");
+    let regions = world.query::<&MorphSelfCollisions>().single(world).unwrap().regions();
+    assert!(!regions.is_empty(), "a speaking mouth touches itself");
     // Each pin is on its triangle, wherever that has moved.
     let off = |pins: Query<(&MorphSurfaceAnchor, &GlobalTransform)>, spatial: MorphSpatialQuery| -> Vec<f32> {
         let off = |(anchor, place): (&MorphSurfaceAnchor, &GlobalTransform)| {

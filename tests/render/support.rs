@@ -8,6 +8,7 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
 use image::RgbImage;
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
@@ -25,8 +26,12 @@ pub(crate) fn alone() -> MutexGuard<'static, ()> {
     RENDERER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A show of this scene, seen from `eye`.
+/// A show of this scene with the plugins of this project, seen from `eye`.
 pub(crate) fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Show {
+    let scene = |app: &mut App| {
+        app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin, MorphPickingPlugin));
+        scene(app);
+    };
     Show {
         name: "test",
         about: "",

@@ -1,21 +1,18 @@
 //! A boss with three plates of armour. Each hit dents a plate with a morph target, and the last one breaks it. Then the flesh behind it can be hit.
 //!
-//! A volley of three balls is one body, and so is the boss. The example uses two kinds of events:
-//!
-//! - `MorphCollisionStart` on a *plate* tells you which part was hit by which ball.
-//! - `MorphBodyCollisionStart` on the *boss* fires once per volley. Play the sound there.
+//! A volley of three balls is one body, and so is the boss. `MorphCollisionStart` on a *plate* tells you which part was hit by which ball.
+//! `MorphBodyCollisionStart` on the *boss* fires once per volley; play the sound there.
 //!
 //! To run it: `cargo run -p bevy_morph_collision --features cookbook --example boss_armour`
-//!
 //! For your game, replace `plate` with glTF meshes that have targets for dents, and `volley` with whatever your players throw.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy::prelude::*;
+use bevy::time::common_conditions::on_timer;
 use bevy_morph_collision::prelude::*;
 
 pub(crate) const DENT: f32 = 0.4;
-const RADIUS: f32 = 0.15;
 
 fn main() {
     App::new()
@@ -24,6 +21,7 @@ fn main() {
 }
 
 pub(crate) fn game(app: &mut App) {
+    let volley = volley.run_if(on_timer(core::time::Duration::from_secs(2)));
     app.add_systems(Startup, set_up).add_systems(Update, (volley, fly));
 }
 
@@ -38,54 +36,37 @@ pub(crate) struct Part(pub(crate) u32);
 #[derive(Component)]
 pub(crate) struct Volley;
 
-#[derive(Component)]
-struct Flying;
-
 /// A square sheet in the xy plane. Its only target pushes the middle in, towards -Z.
 fn plate() -> Mesh {
     let mut mesh = Plane3d::new(Vec3::Z, Vec2::splat(0.6)).mesh().subdivisions(12).build();
-    let positions = mesh
-        .attribute(Mesh::ATTRIBUTE_POSITION)
-        .and_then(|values| values.as_float3());
-    let push = |&[x, y, _]: &[f32; 3]| {
-        let depth = (1.0 - Vec2::new(x, y).length() / 0.6).max(0.0);
-        MorphAttributes::new(Vec3::NEG_Z * DENT * depth, Vec3::ZERO, Vec3::ZERO)
-    };
-    let dent = positions.unwrap_or_default().iter().map(push).collect();
-    mesh.set_morph_targets(dent);
+    let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION);
+    let positions = positions.and_then(|values| values.as_float3()).unwrap_or_default();
+    let depth = |x, y| (1.0 - Vec2::new(x, y).length() / 0.6).max(0.0);
+    let push = |&[x, y, _]: &[f32; 3]| MorphAttributes::new(Vec3::NEG_Z * DENT * depth(x, y), Vec3::ZERO, Vec3::ZERO);
+    mesh.set_morph_targets(positions.iter().map(push).collect());
     mesh
 }
 
 fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
-    let (mesh, steel) = (meshes.add(plate()), materials.add(Color::srgb(0.5, 0.55, 0.6)));
     // All child meshes become parts of one body: the rigid flesh as well as the morphing plates.
     let scene = MorphColliderScene {
         only_deforming: false,
         events: true,
         ..default()
     };
-    let boss = commands
-        .spawn((Boss(0), scene, Visibility::default()))
-        .observe(cry)
-        .id();
-    let flesh = (
-        Part(5),
-        Mesh3d(meshes.add(Cuboid::new(4.2, 1.4, 0.8))),
-        MeshMaterial3d(materials.add(Color::srgb(0.7, 0.2, 0.2))),
-        Transform::from_xyz(0.0, 0.0, -1.2),
-        ChildOf(boss),
-    );
-    commands.spawn(flesh).observe(hit);
-    for (x, health) in [(-1.4, 2), (0.0, 3), (1.4, 4)] {
-        let plate = (
-            Part(health),
-            Mesh3d(mesh.clone()),
-            MeshMaterial3d(steel.clone()),
-            MeshMorphWeights::Value { weights: vec![0.0] },
-            Transform::from_xyz(x, 0.0, 0.0),
-            ChildOf(boss),
-        );
-        commands.spawn(plate).observe(hit);
+    let boss = (Boss(0), scene, Visibility::default());
+    let boss = commands.spawn(boss).observe(cry).id();
+    let [flesh, plate] = [Cuboid::new(4.2, 1.4, 0.8).into(), plate()].map(|mesh: Mesh| Mesh3d(meshes.add(mesh)));
+    let steel = Color::srgb(0.5, 0.55, 0.6);
+    let mut part = |health: u32, mesh: &Mesh3d, color: Color, place: Vec3| {
+        let look = (mesh.clone(), MeshMaterial3d(materials.add(color)));
+        let part = (Part(health), look, Transform::from_translation(place), ChildOf(boss));
+        commands.spawn(part).observe(hit).id()
+    };
+    part(5, &flesh, Color::srgb(0.7, 0.2, 0.2), Vec3::NEG_Z * 1.2);
+    for plate in [(-1.4, 2), (0.0, 3), (1.4, 4)].map(|(x, health)| part(health, &plate, steel, Vec3::X * x)) {
+        let undented = MeshMorphWeights::Value { weights: vec![0.0] };
+        commands.entity(plate).insert(undented);
     }
     commands.spawn((
         Camera3d::default(),
@@ -95,40 +76,31 @@ fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut material
     ));
 }
 
-/// Throws a volley every two seconds until all parts of the boss are broken.
+/// Throws a volley. Does not run once all parts of the boss are broken, because then `Populated` finds none.
 fn volley(
-    time: Res<Time>,
-    mut wait: Local<f32>,
     old: Query<Entity, With<Volley>>,
-    parts: Query<(), (With<Part>, Without<MorphColliderDisabled>)>,
+    _alive: Populated<(), (With<Part>, Without<MorphColliderDisabled>)>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    *wait -= time.delta_secs();
-    if *wait > 0.0 || parts.is_empty() {
-        return;
-    }
-    *wait += 2.0;
     old.iter().for_each(|volley| commands.entity(volley).despawn());
-    let (mesh, lead) = (meshes.add(Sphere::new(RADIUS)), materials.add(Color::BLACK));
+    let ball = Mesh3d(meshes.add(Sphere::new(0.15)));
     let volley = (Volley, Transform::from_xyz(0.0, 0.0, 5.0), Visibility::default());
     let volley = commands.spawn(volley).id();
     for x in [-1.4, 0.0, 1.4] {
         commands.spawn((
-            Flying,
-            MorphShape::Ball { radius: RADIUS },
+            MorphShape::Ball { radius: 0.15 },
             // The three balls are one body.
             MorphColliderOf { body: volley },
-            Mesh3d(mesh.clone()),
-            MeshMaterial3d(lead.clone()),
+            (ball.clone(), MeshMaterial3d::<StandardMaterial>::default()),
             Transform::from_xyz(x, 0.0, 0.0),
             ChildOf(volley),
         ));
     }
 }
 
-fn fly(time: Res<Time>, mut balls: Query<&mut Transform, With<Flying>>) {
+/// Balls that stick to something have an anchor.
+fn fly(time: Res<Time>, mut balls: Query<&mut Transform, (With<MorphShape>, Without<MorphSurfaceAnchor>)>) {
     for mut place in &mut balls {
         place.translation.z -= 5.0 * time.delta_secs();
     }
@@ -148,26 +120,23 @@ fn hit(
     health.0 = health.0.saturating_sub(1);
     if health.0 == 0 {
         // The whole volley goes with it, including the balls that stick to it.
-        commands
-            .entity(part)
-            .insert((MorphColliderDisabled, Visibility::Hidden));
+        let broken = (MorphColliderDisabled, Visibility::Hidden);
+        commands.entity(part).insert(broken);
         commands.entity(start.body2).try_despawn();
         return;
     }
     if let Some(mut weights) = weights {
-        let dent = 1.0 / (1 + health.0) as f32;
-        *weights = MeshMorphWeights::Value { weights: vec![dent] };
+        let dent = vec![1.0 / (1 + health.0) as f32];
+        *weights = MeshMorphWeights::Value { weights: dent };
     }
     // The ball sticks where it hit and follows the dent, so it keeps touching the boss until the volley is despawned.
     let contact = collisions.get(part, ball);
-    if let Some(pair) = contact.and_then(|contact| contact.triangles.first())
-        // The ball may be despawned already, if its volley broke another part in this frame.
-        && let Ok(mut ball) = commands.get_entity(ball)
-    {
+    if let Some(pair) = contact.and_then(|contact| contact.triangles.first()) {
         // A ball has no triangles. Its index in the pair is larger than any triangle's.
         let triangle = pair.triangle_a.min(pair.triangle_b);
         let anchor = MorphSurfaceAnchor::new(part, triangle, Vec3::splat(1.0 / 3.0));
-        ball.remove::<Flying>().insert(anchor);
+        // The ball may be despawned already, if its volley broke another part in this frame.
+        commands.entity(ball).try_insert(anchor);
     }
 }
 

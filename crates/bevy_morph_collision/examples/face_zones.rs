@@ -7,9 +7,8 @@
 //!
 //! For your game, replace:
 //!
-//! - `FACE`: any glTF whose targets have such names works.
+//! - `FACE`: any glTF whose targets have such names works. Play a clip instead of `talk`.
 //! - `PARTS`: if eyes and teeth are separate meshes, drop it and look at the `Name` of `hit.entity` instead.
-//! - `talk`: play a clip.
 
 use std::ops::Range;
 
@@ -65,10 +64,8 @@ fn set_up(
         Transform::from_xyz(0.0, 7.2, 6.0).looking_at(Vec3::new(0.0, 7.1, 0.0), Vec3::Y),
         children![DirectionalLight::default()],
     ));
-    commands.insert_resource(Pin(
-        meshes.add(Sphere::new(0.04)),
-        materials.add(Color::srgb(0.9, 0.1, 0.1)),
-    ));
+    let red = materials.add(Color::srgb(0.9, 0.1, 0.1));
+    commands.insert_resource(Pin(meshes.add(Sphere::new(0.04)), red));
 }
 
 /// Sets the weights directly. An animation clip works as well: only the weights matter.
@@ -141,12 +138,8 @@ fn zone(mesh: &Mesh, triangle: u32) -> Option<String> {
     };
     // Bevy stores one target after another, each with all vertices.
     let vertices = mesh.count_vertices();
-    let reach = |target: usize| -> f32 {
-        let lengths = corners
-            .iter()
-            .map(|corner| moves[target * vertices + corner].position.length());
-        lengths.sum()
-    };
+    let reach_of = |target: usize, corner: &usize| moves[target * vertices + corner].position.length();
+    let reach = |target: usize| corners.iter().map(|corner| reach_of(target, corner)).sum::<f32>();
     let strongest = (0..names.len()).max_by(|&a, &b| reach(a).total_cmp(&reach(b)))?;
     let name = &names[strongest];
     let zone = name.split(char::is_uppercase).next()?;

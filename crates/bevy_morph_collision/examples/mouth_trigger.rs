@@ -5,21 +5,22 @@
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook --example mouth_trigger`
 //!
-//! For your game, replace:
-//!
-//! - `FACE`.
-//! - `INSIDE`: if teeth and tongue are separate meshes, compare the `Name` of `start.collider1` instead.
-//! - `throw`.
+//! For your game, replace `FACE`, `throw`, and `INSIDE`: if teeth and tongue are separate meshes, compare the `Name` of `start.collider1` instead.
+
+use std::time::Duration;
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
+use bevy::time::common_conditions::on_timer;
 use bevy_morph_collision::prelude::*;
 
 /// A file in the folder `assets`.
 const FACE: &str = "mh_head_eyes_teeth_arkit52.glb";
 /// The first triangle of teeth and tongue, which come last in this file.
 const INSIDE: u32 = 8894;
+/// The time between two meatballs.
+const EVERY: Duration = Duration::from_millis(330);
 pub(crate) const RADIUS: f32 = 0.07;
 
 fn main() {
@@ -29,9 +30,10 @@ fn main() {
 }
 
 pub(crate) fn game(app: &mut App) {
+    let throw = throw.run_if(resource_exists::<Hungry>).run_if(on_timer(EVERY));
     app.init_resource::<Score>()
         .add_systems(Startup, set_up)
-        .add_systems(Update, (chew, throw.run_if(resource_exists::<Hungry>), fly));
+        .add_systems(Update, (chew, throw, fly));
 }
 
 #[derive(Resource, Default, Clone, Copy, Debug, PartialEq)]
@@ -79,20 +81,13 @@ fn chew(time: Res<Time>, meshes: Res<Assets<Mesh>>, mut faces: Query<&mut MorphW
     }
 }
 
-/// Throws three meatballs a second, most at the mouth, some slightly off.
+/// Throws a meatball, usually at the mouth, sometimes slightly off.
 fn throw(
-    time: Res<Time>,
-    mut wait: Local<f32>,
     mut thrown: Local<usize>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    *wait -= time.delta_secs();
-    if *wait > 0.0 {
-        return;
-    }
-    *wait += 0.33;
     let aims = [(0.0, 6.45), (0.1, 6.45), (0.45, 6.7), (-0.05, 6.5), (0.0, 6.85)];
     let (x, y) = aims[*thrown % aims.len()];
     *thrown += 1;

@@ -22,6 +22,19 @@ pub(crate) enum CliError {
     Read(Box<ReadError>),
     #[error("{}{}", .0, Remedy::hint(over_limit(matches!(.0, SceneError::OverBudget { .. }))))]
     Scene(#[from] SceneError),
+    /// A model where a scene is expected.
+    #[error(
+        "{}: this is a model, not a scene file; `morph-collide scene {} OTHER.glb > scene.json` makes a scene of models, and `morph-collide sweep` tells where a model touches itself",
+        file.display(),
+        file.display()
+    )]
+    NotAScene { file: PathBuf },
+    /// A scene where a model is expected.
+    #[error(
+        "{}: this is a scene file, not a model; `morph-collide run` replays scenes, and motion, sweep and export read them, too",
+        file.display()
+    )]
+    NotAModel { file: PathBuf },
     #[error("{}: no usable mesh: {reason}", file.display())]
     NoUsableMesh { file: PathBuf, reason: String },
     /// A body of a scene cannot be read.

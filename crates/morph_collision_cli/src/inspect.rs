@@ -16,7 +16,7 @@ const EXAMPLES: &str = "Examples:
 
 /// Show what glTF files contain: animations, and for each mesh its size, bounds, nodes, skin, targets and tree.
 ///
-/// `reach` is how far a target moves a vertex at weight 1, and `left alone` is the share of vertices that it does not move. Bounds are
+/// `reach` is how far a target moves a vertex at weight 1, and `unmoved` is the share of vertices that it does not move. Bounds are
 /// those of the rest pose. Several files get one line each, and so do the meshes of a file with more than four.
 ///
 /// Broken meshes are listed with their error. The exit code is 2 if a file has no mesh that can collide.

@@ -77,7 +77,12 @@ impl FileArgs {
             )?);
         }
         progress::doing(format!("reading {}", model.display()));
-        Ok(GltfFile::open_within(model, &options, budget.clone())?)
+        GltfFile::open_within(model, &options, budget.clone()).map_err(|error| {
+            if has_extension(model, &["json"]) && Scene::read_within(model, self.memory_limit()).is_ok() {
+                return CliError::NotAModel { file: model.to_owned() };
+            }
+            error.into()
+        })
     }
 
     /// Opens a model file and reads one of its meshes, which `flag` names.
@@ -99,9 +104,18 @@ impl FileArgs {
             progress::doing("reading a scene from standard input");
             return Ok(Scene::read_from(io::stdin().lock(), scene, self.memory_limit())?);
         }
+        if has_extension(scene, &["glb", "gltf"]) {
+            return Err(CliError::NotAScene { file: scene.to_owned() });
+        }
         progress::doing(format!("reading {}", scene.display()));
         Ok(Scene::read_within(scene, self.memory_limit())?)
     }
+}
+
+/// Whether a file's name ends in one of these.
+pub(crate) fn has_extension(file: &Path, extensions: &[&str]) -> bool {
+    file.extension()
+        .is_some_and(|found| extensions.iter().any(|extension| found.eq_ignore_ascii_case(extension)))
 }
 
 /// A mesh of a file, by index or by name.

@@ -97,7 +97,7 @@ impl ShapedMesh {
         let named = self.mesh.target_names.iter().zip(self.pose.weights());
         let active: Vec<String> = named
             .filter(|(_, weight)| **weight != 0.0)
-            .map(|(name, weight)| format!("{name} {weight}"))
+            .map(|(name, &weight)| format!("{name} {}", short(weight)))
             .collect();
         match (self.mesh.targets.len(), active.len()) {
             (0, _) => "no targets".to_owned(),
@@ -108,6 +108,14 @@ impl ShapedMesh {
             }
             (targets, count) => format!("{count} of {targets} weights not 0: {}", active.join(", ")),
         }
+    }
+}
+
+/// A number in a few characters: 0.25, but 1e-42 instead of 41 zeros.
+fn short(number: f32) -> String {
+    match number.abs() {
+        0.0 | 1e-4..1e7 => number.to_string(),
+        _ => format!("{number:e}"),
     }
 }
 

@@ -16,6 +16,7 @@ fn schema() -> Value {
 fn full() -> Value {
     let text = || Some("text".to_owned());
     let scene = Scene {
+        schema: text(),
         name: text(),
         comment: text(),
         bodies: vec![SceneBody {

@@ -1,25 +1,28 @@
-//! A character that walks, talks, crouches and waves. Rays stick to its skin, it kicks crates, and a hand goes to its face.
-//!
-//! The window and the headless run of the example share this. Nothing here draws.
+//! A character that walks, talks, crouches and waves, and crates in its way.
 //!
 //! - `act`: its schedule.
-//! - `props`: the crates in its way, and the rays that are cast at it.
+//! - `props`: the crates, and where rays are cast at it.
 //! - `hand`: detects where its hand touches its face.
+//! - `report`: what a run without a window counts.
+//! - `stage`: draws what happens.
 
 mod act;
 mod hand;
 mod props;
+mod report;
+#[cfg(feature = "render")]
+pub mod stage;
 
 use bevy::app::AnimationSystems;
 use bevy::gltf::Gltf;
-use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 
 pub use act::PERIOD;
 pub use hand::HandOnFace;
-pub use props::{Crate, Dart, GROUND, HALF};
+pub use props::{Aim, Crate, Dart, GROUND, HALF};
+pub use report::Report;
 
 use crate::physics::DT;
 
@@ -60,11 +63,15 @@ pub struct Skin;
 #[derive(Resource)]
 struct Cast(Handle<Gltf>);
 
-/// The whole game, except for physics and collisions themselves, and whatever starts [`Moment`].
+/// The systems that make it act, in [`Update`].
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ActSystems;
+
+/// The character's act, the crates, and what its hand touches. Whatever adds this moves [`Moment`] on.
 pub fn plugin(app: &mut App) {
     app.init_resource::<Moment>()
         .init_resource::<Tally>()
-        .init_resource::<props::Aim>()
+        .init_resource::<Aim>()
         .insert_resource(TimestepMode::Variable {
             max_dt: 8.0 * DT,
             time_scale: 1.0,
@@ -74,11 +81,11 @@ pub fn plugin(app: &mut App) {
         .add_systems(
             Update,
             (
-                dress,
                 act::rehearse,
-                (act::play, props::shoot, props::watch, props::bring_back)
+                (act::play, props::watch, props::bring_back)
                     .chain()
-                    .run_if(|moment: Res<Moment>| moment.started),
+                    .in_set(ActSystems)
+                    .run_if(started),
             ),
         )
         .add_systems(
@@ -102,11 +109,7 @@ fn cast(mut commands: Commands, assets: Res<AssetServer>) {
     ));
 }
 
-/// Makes the mesh collide, in physics too.
-fn dress(skinned: Query<Entity, (With<SkinnedMesh>, Without<Skin>)>, mut commands: Commands) {
-    for mesh in &skinned {
-        commands
-            .entity(mesh)
-            .insert((Skin, MorphRapierCollider::default(), HandOnFace::default()));
-    }
+/// A run condition: everything is loaded.
+pub fn started(moment: Res<Moment>) -> bool {
+    moment.started
 }

@@ -3,13 +3,12 @@
 use std::f32::consts::TAU;
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::act::{PERIOD, ROUND, on_round};
-use super::{Moment, Skin, Tally};
+use super::{Moment, Tally};
 
 /// A crate, and whether it has been kicked since it was last put in the way.
 #[derive(Component, Clone, Copy, Debug, Default)]
@@ -28,7 +27,6 @@ pub const HALF: f32 = 0.1;
 const CRATES: usize = 12;
 /// Seconds between rays.
 const EVERY: f32 = 0.25;
-const DARTS: usize = 48;
 
 pub(super) fn spawn(mut commands: Commands) {
     commands.spawn((
@@ -86,8 +84,8 @@ pub(super) fn bring_back(
 }
 
 /// The random source of rays, and when the next one is cast.
-#[derive(Resource)]
-pub(crate) struct Aim {
+#[derive(Resource, Debug)]
+pub struct Aim {
     rng: Pcg64Mcg,
     next: f32,
 }
@@ -101,36 +99,19 @@ impl Default for Aim {
     }
 }
 
-/// Casts a ray from a random point around the character at a random point on it.
-pub(super) fn shoot(
-    moment: Res<Moment>,
-    mut aim: ResMut<Aim>,
-    spatial: MorphSpatialQuery,
-    skin: Query<Entity, With<Skin>>,
-    names: Query<&Name>,
-    darts: Query<Entity, With<Dart>>,
-    mut tally: ResMut<Tally>,
-    mut commands: Commands,
-) {
-    let Ok(skin) = skin.single() else { return };
-    // After the clock has jumped, skipped rays are not made up for.
-    if moment.seconds < aim.next || darts.iter().count() >= DARTS {
-        return;
-    }
-    aim.next = moment.seconds + EVERY;
-    let Some(bounds) = spatial.bounds(skin) else { return };
-    let mut within = |reach: f32| aim.rng.random_range(-reach..=reach);
-    let aside = Vec3::new(within(1.0), 0.3 * within(1.0), 0.6 + within(1.0)).normalize_or_zero();
-    let spread = Vec3::new(0.1, 0.4 * bounds.size().y, 0.1);
-    let target = bounds.center() + spread * Vec3::new(within(1.0), within(1.0), within(1.0));
-    let Ok(direction) = Dir3::new(-aside) else { return };
-    tally.rays += 1;
-    let filter = MorphQueryFilter::default();
-    if let Some(hit) = spatial.cast_ray(target + 3.0 * aside, direction, 10.0, &filter) {
-        tally.hits += 1;
-        let joint = hit.joint.and_then(|joint| names.get(joint).ok());
-        let velocity = hit.velocity(&spatial).unwrap_or_default();
-        tally.last_hit = Some((joint.map(ToString::to_string).unwrap_or_default(), velocity));
-        commands.spawn((Dart, MorphSurfaceAnchor::at(&hit), Visibility::default()));
+impl Aim {
+    /// The next ray, if it is time for one: from a random point around these bounds to a random point within them.
+    pub fn ray(&mut self, seconds: f32, center: Vec3, size: Vec3) -> Option<Ray3d> {
+        // After the clock has jumped, skipped rays are not made up for.
+        if seconds < self.next {
+            return None;
+        }
+        self.next = seconds + EVERY;
+        let mut within = |reach: f32| self.rng.random_range(-reach..=reach);
+        let aside = Vec3::new(within(1.0), 0.3 * within(1.0), 0.6 + within(1.0)).normalize_or_zero();
+        let spread = Vec3::new(0.1, 0.4 * size.y, 0.1);
+        let target = center + spread * Vec3::new(within(1.0), within(1.0), within(1.0));
+        let direction = Dir3::new(-aside).ok()?;
+        Some(Ray3d::new(target + 3.0 * aside, direction))
     }
 }

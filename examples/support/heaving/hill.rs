@@ -1,6 +1,5 @@
 //! The hill: a glTF file that lies on the ground and plays its first clip.
 
-use bevy::asset::AssetPath;
 use bevy::gltf::Gltf;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -9,7 +8,6 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 
-use super::Game;
 use crate::physics::wobbling;
 
 /// The file, among the assets.
@@ -33,19 +31,15 @@ pub struct Hill {
 #[derive(Component)]
 pub(super) struct Spawned;
 
-pub(super) fn load(mut commands: Commands, assets: Res<AssetServer>, game: Res<Game>) {
-    let file = AssetPath::from_path_buf(game.model.clone());
-    commands.spawn((
-        Hill {
-            gltf: assets.load(file.clone()),
+impl Hill {
+    /// A hill that is not placed yet.
+    #[must_use]
+    pub fn new(gltf: Handle<Gltf>) -> Self {
+        Self {
+            gltf,
             reach: Vec2::ZERO,
-        },
-        WorldAssetRoot(assets.load(file.with_label("Scene0"))),
-        // Adds physics to every deforming mesh below it.
-        MorphRapierScene::default(),
-        Visibility::default(),
-        Transform::default(),
-    ));
+        }
+    }
 }
 
 /// Runs when the scene is spawned. Its animation player is somewhere below its root.

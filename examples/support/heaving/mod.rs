@@ -4,27 +4,29 @@
 //! `FixedUpdate`, 64 times a second, independently of the frame rate. One `MorphRapierScene` on the scene's root connects the
 //! two.
 //!
-//! The window, the web page and the headless run of the example share this. Nothing here draws.
-//!
 //! - `hill`: the file, its placement and its clip.
 //! - `player`: a capsule with Rapier's character controller.
 //! - `rain`: the falling bodies.
-//! - `tally`: the statistics.
+//! - `tally`, `report`: the statistics.
+//! - `stage`: draws the game, and reads keys.
 
 mod hill;
 mod player;
 mod rain;
+mod report;
+#[cfg(feature = "render")]
+pub mod stage;
 mod tally;
 
 use std::path::PathBuf;
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 
 pub use hill::{Hill, MODEL};
 pub use player::{HALF_SEGMENT, IDLE, JUMP, Player, RADIUS, SPEED, Wish};
 pub use rain::{Falling, Form};
+pub use report::Report;
 pub use tally::Tally;
 
 /// Physics steps per second: Bevy's default.
@@ -60,38 +62,38 @@ impl Default for Game {
     }
 }
 
-/// The whole game, except for the collision plugin.
+/// The player, the rain and the hill's clip. The example adds physics and spawns the hill.
 pub fn plugin(app: &mut App) {
-    app.add_plugins((
-        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
-        MorphRapierPlugin::new(FixedUpdate),
-    ))
-    .insert_resource(Time::<Fixed>::from_hz(RATE))
-    .insert_resource(TimestepMode::Fixed {
+    app.init_resource::<Game>()
+        .init_resource::<Wish>()
+        .init_resource::<Tally>()
+        .add_observer(hill::play)
+        .add_systems(Startup, lay_the_ground)
+        .add_systems(
+            Update,
+            (
+                hill::fit,
+                hill::wave,
+                (hill::rewind, player::spawn, rain::spawn).run_if(hill::is_new),
+            )
+                .chain(),
+        )
+        .add_systems(
+            FixedUpdate,
+            (
+                (player::bring_back, player::walk, rain::bring_back).before(PhysicsSet::SyncBackend),
+                (tally::follow_the_player, tally::follow_the_rain).after(PhysicsSet::Writeback),
+            ),
+        );
+}
+
+/// Steps of the length of those of [`FixedUpdate`].
+#[must_use]
+pub fn timestep() -> TimestepMode {
+    TimestepMode::Fixed {
         dt: (1.0 / RATE) as f32,
         substeps: 1,
-    })
-    .init_resource::<Game>()
-    .init_resource::<Wish>()
-    .init_resource::<Tally>()
-    .add_observer(hill::play)
-    .add_systems(Startup, (hill::load, lay_the_ground))
-    .add_systems(
-        Update,
-        (
-            hill::fit,
-            hill::wave,
-            (hill::rewind, player::spawn, rain::spawn).run_if(hill::is_new),
-        )
-            .chain(),
-    )
-    .add_systems(
-        FixedUpdate,
-        (
-            (player::bring_back, player::walk, rain::bring_back).before(PhysicsSet::SyncBackend),
-            (tally::follow_the_player, tally::follow_the_rain).after(PhysicsSet::Writeback),
-        ),
-    );
+    }
 }
 
 fn lay_the_ground(mut commands: Commands) {

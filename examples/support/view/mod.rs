@@ -1,10 +1,14 @@
 //! Drawn examples: the GPU blends a model, and the overlay shows what the collision code computed.
 //!
 //! A [`Show`] is a scene and its description. It is put on a [`stage`] (camera, light, panel), and its [`clock`] runs: in a
-//! window, off-screen into pictures (`run`), or on a web [`page`].
+//! window, off-screen into pictures (`run`), or on a web [`page`]. The scene adds the plugins of this project that it needs.
 
+pub mod arms;
 pub mod clock;
 pub mod files;
+pub mod group;
+pub mod halves;
+pub mod marks;
 pub mod models;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod offscreen;
@@ -23,10 +27,33 @@ pub mod stage;
 #[cfg(not(target_arch = "wasm32"))]
 mod window;
 
+use std::process::ExitCode;
+
 use bevy::prelude::*;
+use clap::{Args, Command, FromArgMatches};
+
+use crate::options::ViewOptions;
+use crate::outcome::exit_code;
 
 #[cfg(not(target_arch = "wasm32"))]
-pub use run::{main, run};
+pub use run::run;
+
+/// The main function of an example that has no options of its own.
+#[must_use]
+pub fn main(show: Show) -> ExitCode {
+    let command = ViewOptions::augment_args(Command::new(show.name).about(show.about));
+    match ViewOptions::from_arg_matches(&command.get_matches()) {
+        Ok(options) => exit_code(run(show, &options)),
+        Err(error) => error.exit(),
+    }
+}
+
+/// A web page has no command line; it calls [`page::run`].
+#[cfg(target_arch = "wasm32")]
+#[allow(clippy::missing_errors_doc)]
+pub fn run(_: Show, _: &ViewOptions) -> Result<(), crate::error::ExampleError> {
+    Err(crate::error::ExampleError::NoDisplay)
+}
 
 /// A drawn example.
 pub struct Show {

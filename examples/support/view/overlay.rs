@@ -36,8 +36,7 @@ impl Default for Overlay {
     }
 }
 
-/// The triangles of a collider that intersect others of the same collider. They are drawn along with those in
-/// [`MorphCollisions`].
+/// Other triangles of a collider to draw, along with those in [`MorphCollisions`] and [`MorphSelfCollisions`].
 #[derive(Component, Clone, Debug, Default)]
 pub struct SelfTouching(pub Vec<TrianglePair>);
 
@@ -94,7 +93,8 @@ fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
 fn draw(
     mut overlay: ResMut<Overlay>,
     collisions: Res<MorphCollisions>,
-    itself: Query<(Entity, &SelfTouching)>,
+    itself: Query<(Entity, &MorphSelfCollisions)>,
+    shown: Query<(Entity, &SelfTouching)>,
     mut access: ParamSet<(
         MorphSpatialQuery,
         (
@@ -112,7 +112,10 @@ fn draw(
                 touching.insert((contact.collider2, pair.triangle_b));
             }
         }
-        for (entity, SelfTouching(pairs)) in &itself {
+        let regions = itself
+            .iter()
+            .flat_map(|(entity, found)| found.regions().iter().map(move |region| (entity, &region.triangles)));
+        for (entity, pairs) in regions.chain(shown.iter().map(|(entity, SelfTouching(pairs))| (entity, pairs))) {
             touching.extend(
                 pairs
                     .iter()

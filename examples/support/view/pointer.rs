@@ -6,8 +6,9 @@ use bevy::picking::PickingSystems;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+use bevy_egui::input::EguiWantsInput;
 
-use super::clock::{self, Clock};
+use super::clock::{self, Clock, is_typing};
 use super::stage::StageCamera;
 
 /// The pointer's actions, in ascending order of frames, at least two frames apart.
@@ -23,6 +24,27 @@ pub struct Cue {
     pub at: Vec3,
     /// Whether the left button is pressed and released.
     pub click: bool,
+}
+
+impl Script {
+    /// Clicks at these places, one after the other from the first frame on.
+    #[must_use]
+    pub fn clicks(places: &[Vec3]) -> Self {
+        let cues = places.iter().zip((1..).step_by(3));
+        Self(cues.map(|(&at, frame)| Cue { frame, at, click: true }).collect())
+    }
+}
+
+/// Removes everything that the user has stuck somewhere, with the key X.
+pub fn remove_by_key<T: Component>(
+    keys: Res<ButtonInput<KeyCode>>,
+    panel: Option<Res<EguiWantsInput>>,
+    stuck: Query<Entity, With<T>>,
+    mut commands: Commands,
+) {
+    if keys.just_pressed(KeyCode::KeyX) && !is_typing(panel) {
+        stuck.iter().for_each(|entity| commands.entity(entity).despawn());
+    }
 }
 
 const POINTER: PointerId = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(

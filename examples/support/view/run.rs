@@ -1,17 +1,8 @@
 //! Runs a show as a program: in a window, or into pictures.
 
-use std::process::ExitCode;
-
 use super::{Show, pictures, window};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
-use crate::outcome::exit_code;
-
-/// The main function of an example that is only a show.
-#[must_use]
-pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
-    exit_code(run(show, options))
-}
 
 /// Shows it according to the options.
 ///

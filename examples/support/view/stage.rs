@@ -1,5 +1,4 @@
-//! The common base of all shows: Bevy with a renderer, the plugins of this project, a camera, light, and a
-//! background.
+//! The common base of all shows: Bevy with a renderer, a camera, light, and a background.
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 use bevy::asset::AssetMetaCheck;
@@ -97,16 +96,11 @@ pub(super) fn plugins(window: Option<Window>) -> PluginGroupBuilder {
     DefaultPlugins.set(assets).set(windows).set(renderer).set(log())
 }
 
-/// An app with these plugins and those of this project.
+/// An app with these plugins. The plugins of this project come with the show, except the one that draws bounding volumes.
 pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     let mut app = App::new();
     files.serve(&mut app);
-    app.add_plugins(plugins).add_plugins((
-        MorphCollisionPlugin::default(),
-        MorphBoundsPlugin,
-        MorphPickingPlugin,
-        MorphGizmosPlugin,
-    ));
+    app.add_plugins(plugins).add_plugins(MorphGizmosPlugin);
     app
 }
 

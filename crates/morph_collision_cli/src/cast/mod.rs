@@ -181,6 +181,11 @@ fn frames(
                 body,
                 reason,
             };
+            if state.time.is_some() && state.clip.is_none() {
+                return Err(wrong(
+                    "\"time\" has no effect without \"clip\"; add a clip, or remove it".to_owned(),
+                ));
+            }
             let clips = state.clip.as_ref().map(|name| library.clip(mesh, name));
             let clips = clips.transpose().map_err(wrong)?;
             let state = BodyState::check(

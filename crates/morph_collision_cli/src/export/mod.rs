@@ -99,7 +99,18 @@ pub(crate) fn export(args: &ExportArgs) -> Result<(), CliError> {
     let (scene, frame) = args.scene()?;
     let from_scene = is_scene(&args.input);
     let path = if from_scene { &*args.input } else { Path::new("export") };
-    let mut cast = Cast::load(path, &scene, &args.tree, &args.files)?;
+    let mut cast = Cast::load(path, &scene, &args.tree, &args.files).map_err(|error| match error {
+        // There is no scene file to name.
+        CliError::State { reason, .. } if args.shape.weights.is_some() && !from_scene => CliError::Flag {
+            flag: "--weights",
+            reason,
+        },
+        CliError::State { reason, .. } if !from_scene => CliError::NoUsableMesh {
+            file: args.input.clone(),
+            reason,
+        },
+        error => error,
+    })?;
     if frame >= cast.frames.len() {
         let reason = match cast.frames.len() {
             0 => "the scene has no frames".to_owned(),

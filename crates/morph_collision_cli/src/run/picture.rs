@@ -8,6 +8,7 @@ use morph_collision_testkit::oracle::BodyPose;
 use super::replay::{FrameCounts, Hit};
 use super::{Mode, Played};
 use crate::error::CliError;
+use crate::model_file::has_extension;
 use crate::picture::DrawnBody;
 
 /// Whether and what to draw.
@@ -34,10 +35,21 @@ pub(crate) struct Drawn {
 
 impl PictureArgs {
     /// # Errors
-    /// The mode lists no triangles that could be red.
+    /// The mode lists no triangles that could be red, or the file's name promises another format.
     pub(super) fn check_mode(&self, mode: Mode) -> Result<(), CliError> {
         if self.picture.is_some() && mode.is_of_surfaces() {
             let reason = format!("there are no pictures of mode {}; use all, first or any", mode.name());
+            let flag = "--picture";
+            return Err(CliError::Flag { flag, reason });
+        }
+        if let Some(picture) = &self.picture
+            && picture.extension().is_some()
+            && !has_extension(picture, &["png"])
+        {
+            let reason = format!(
+                "{}: pictures are PNG files; use a name that ends with .png",
+                picture.display()
+            );
             let flag = "--picture";
             return Err(CliError::Flag { flag, reason });
         }

@@ -14,7 +14,7 @@ use morph_collision_testkit::scenes::{BodyState, Scene};
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
 use crate::error::CliError;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD};
+use crate::model_file::{FileArgs, MeshChoice, STANDARD, has_extension};
 use crate::output;
 use crate::output_file::OutputFile;
 use crate::shape_args::WeightArg;
@@ -51,7 +51,7 @@ pub(crate) struct SceneArgs {
     /// Where a model stands: X,Y,Z or KEY=VALUE,.. Give it once per model, in order; the others stand at the origin.
     ///
     /// Keys are x, y, z, turn-x, turn-y, turn-z (degrees, applied in the order given), scale, scale-x, scale-y and scale-z. A value A..B
-    /// changes from A in the first frame to B in the last.
+    /// changes from A in the first frame to B in the last. Turns may be repeated; other keys may be given once.
     #[arg(long, value_name = "PLACE", allow_hyphen_values = true)]
     place: Vec<Place>,
     /// Put meshes where the nodes of their files put them, and move them as clips move the nodes. Without this option, a mesh without
@@ -246,8 +246,7 @@ fn relative(model: &Path, scene: &Path) -> PathBuf {
 
 /// Reads a scene file, or makes a scene from a model file.
 pub(crate) fn is_scene(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    has_extension(path, &["json"])
 }
 
 /// A scene with one frame in which nothing moves.

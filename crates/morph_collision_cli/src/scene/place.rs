@@ -52,7 +52,17 @@ impl Place {
         }
     }
 
-    fn set(&mut self, key: &str, values: [f32; 2]) -> Result<(), String> {
+    /// Sets one value. `before` are the keys that were given before it: those of turns may be repeated, because each is another turn.
+    fn set(&mut self, key: &str, values: [f32; 2], before: &[&str]) -> Result<(), String> {
+        if before.contains(&key) && !key.starts_with("turn-") {
+            return Err(format!("{key} is given twice"));
+        }
+        if let Some(axis) = before
+            .iter()
+            .find(|before| before.starts_with("scale-") && key == "scale")
+        {
+            return Err(format!("scale would replace {axis}; give it before {axis}"));
+        }
         let axis = |name: &str| match name {
             "x" => Some(0),
             "y" => Some(1),
@@ -91,16 +101,19 @@ impl FromStr for Place {
                 return Err(format!("expected X,Y,Z or KEY=VALUE,.., found \"{}\"", Printable(text)));
             };
             for (key, text) in [("x", x), ("y", y), ("z", z)] {
-                place.set(key, range(text)?)?;
+                place.set(key, range(text)?, &[])?;
             }
             return Ok(place);
         }
+        let mut before = Vec::new();
         for part in parts {
             let (key, value) = part.split_once('=').ok_or_else(|| {
                 let part = Printable(part);
                 format!("expected KEY=VALUE, found \"{part}\"")
             })?;
-            place.set(key.trim(), range(value.trim())?)?;
+            let key = key.trim();
+            place.set(key, range(value.trim())?, &before)?;
+            before.push(key);
         }
         Ok(place)
     }
@@ -146,6 +159,9 @@ mod tests {
             turned.transform_vector3(Vec3::X).abs_diff_eq(Vec3::Y, 1e-6),
             "{turned:?}"
         );
+        // Two turns about the same axis add up.
+        let twice = state("turn-y=45,turn-y=45", 0.0)?.world_from_model();
+        assert!(twice.transform_vector3(Vec3::X).abs_diff_eq(Vec3::NEG_Z, 1e-6));
         assert_eq!(state("0,0,0", 0.0)?, BodyState::default());
         Ok(())
     }
@@ -169,6 +185,8 @@ mod tests {
             ("1,2,up", "\"up\" is not a finite number"),
             ("x=inf", "not a finite number"),
             ("trun-x=90", "did you mean \"turn-x\", "),
+            ("x=1,x=2", "x is given twice"),
+            ("scale-y=2,scale=3", "scale would replace scale-y"),
             ("x=1,5", "expected KEY=VALUE, found \"5\""),
         ] {
             let error = text.parse::<Place>().expect_err(text);

@@ -250,3 +250,44 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
     }
     Ok(())
 }
+
+#[test]
+fn a_time_without_a_clip_is_named_with_frame_and_body() -> TestResult {
+    let dir = tempdir()?;
+    let scene = scene_with(dir.path(), &json!({ "time": 0.5 }))?;
+    assert_names(
+        &error_of_run(&scene)?,
+        &[
+            "scene.json",
+            "frame 1, body 1",
+            "\"time\" has no effect without \"clip\"",
+        ],
+    );
+    Ok(())
+}
+
+#[test]
+fn a_model_in_place_of_a_scene_and_a_scene_in_place_of_a_model_get_a_hint() -> TestResult {
+    let dir = tempdir()?;
+    let scene = scene_with(dir.path(), &json!({}))?;
+    let model = dir.path().join("triangle.gltf");
+    assert_names(
+        &error_of_run(&model)?,
+        &[
+            "triangle.gltf: this is a model, not a scene file",
+            "morph-collide scene",
+        ],
+    );
+    let motion = error_of(&morph_collide(["motion".as_ref(), model.as_os_str()])?);
+    assert_names(&motion, &["this is a model, not a scene file"]);
+    let query = ["query".as_ref(), scene.as_os_str(), "--self".as_ref()];
+    assert_names(
+        &error_of(&morph_collide(query)?),
+        &["scene.json: this is a scene file, not a model", "morph-collide run"],
+    );
+    // Other JSON is what the reader says.
+    let other = dir.path().join("other.json");
+    std::fs::write(&other, "{}")?;
+    assert_names(&error_of_inspect(&other)?, &["other.json: not a glTF 2.0 file"]);
+    Ok(())
+}

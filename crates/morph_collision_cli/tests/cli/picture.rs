@@ -177,3 +177,35 @@ fn pictures_that_cannot_be_are_refused_before_anything_is_written() -> TestResul
     assert!(!picture.exists());
     Ok(())
 }
+
+#[test]
+fn a_name_that_promises_another_format_is_refused_before_any_work() -> TestResult {
+    let dir = tempdir()?;
+    let picture = dir.path().join("touch.jpg");
+    // The scene does not exist, so the complaint comes before it is read.
+    let args = [
+        "run".as_ref(),
+        "absent.json".as_ref(),
+        "--picture".as_ref(),
+        picture.as_os_str(),
+    ];
+    let error = error_of(&morph_collide(args)?);
+    assert!(
+        error.contains("--picture: ") && error.contains("touch.jpg: pictures are PNG files"),
+        "{error}"
+    );
+    assert!(!picture.exists());
+    // Capitals and names without an extension are fine.
+    for name in ["TOUCH.PNG", "touch"] {
+        let picture = dir.path().join(name);
+        let scene = asset("scenes/two_dolphins.json");
+        stdout_of(&morph_collide([
+            "run".as_ref(),
+            scene.as_os_str(),
+            "--picture".as_ref(),
+            picture.as_os_str(),
+        ])?);
+        read_png(&picture)?;
+    }
+    Ok(())
+}

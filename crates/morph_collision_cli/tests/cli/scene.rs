@@ -184,3 +184,21 @@ fn names_and_comments_are_allowed_and_other_versions_are_refused() -> TestResult
     );
     Ok(())
 }
+
+#[test]
+fn a_key_of_a_place_that_is_given_twice_is_an_error() -> TestResult {
+    let error = error_of(&scene(&[&dolphin(), "--place", "x=1,x=2"])?);
+    assert!(
+        error.contains("--place") && error.contains("x is given twice"),
+        "{error}"
+    );
+    Ok(())
+}
+
+#[test]
+fn a_scene_may_name_its_schema() -> TestResult {
+    let mut made = json_of(&[&dolphin()])?;
+    made["$schema"] = json!("https://example.org/scene.schema.json");
+    assert_eq!(run(&made.to_string(), &[])?["pairs"], json!([0]));
+    Ok(())
+}

@@ -170,3 +170,32 @@ fn wrong_default_weights_are_told() -> TestResult {
     assert!(warning.contains("3 default weights"), "{report}");
     Ok(())
 }
+
+#[test]
+fn tiny_weights_are_printed_in_a_few_characters() -> TestResult {
+    let (_dir, path) = model()?;
+    let args = ["--point=0,0,0", "--weights", "up=1e-42,right=0.25"].map(AsRef::<std::ffi::OsStr>::as_ref);
+    let report = stdout_of(&morph_collide(
+        ["query".as_ref(), path.as_os_str()].into_iter().chain(args),
+    )?);
+    assert!(report.contains("up 1e-42, right 0.25"), "{report}");
+    Ok(())
+}
+
+#[test]
+fn weights_to_export_that_do_not_fit_are_blamed_on_the_option() -> TestResult {
+    let (dir, path) = model()?;
+    let out = dir.path().join("out.ply");
+    for (weights, reason) in [("1,2,3", "3 weights"), ("nope=1", "there is no target \"nope\"")] {
+        let run = command()
+            .arg("export")
+            .arg(&path)
+            .args(["--weights", weights, "--output"])
+            .arg(&out)
+            .output()?;
+        let error = error_of(&run);
+        assert!(error.contains(&format!("error: --weights: {reason}")), "{error}");
+        assert!(!out.exists());
+    }
+    Ok(())
+}

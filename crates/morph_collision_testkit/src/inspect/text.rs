@@ -222,7 +222,7 @@ fn render_targets(text: &mut impl Write, mesh: &MeshReport, usable: &UsableRepor
         "default".to_owned(),
         "reach".to_owned(),
     ];
-    header.push("left alone".to_owned());
+    header.push("unmoved".to_owned());
     if one_by_one {
         header.extend(clips.iter().map(|clip| format!("in animation {}", clip.animation)));
     } else {

@@ -27,6 +27,9 @@ use crate::weight_list::WeightList;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
+    /// Where the JSON schema is. Only editors read it.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// The version of the format.
     #[serde(default)]
     pub version: SceneVersion,
@@ -256,7 +259,11 @@ impl Scene {
     }
 
     fn json(&self) -> serde_json::Result<String> {
-        let mut text = format!("{{\n  \"version\": {},\n", serde_json::to_string(&self.version)?);
+        let mut text = "{\n".to_owned();
+        if let Some(schema) = &self.schema {
+            text += &format!("  \"$schema\": {},\n", serde_json::to_string(schema)?);
+        }
+        text += &format!("  \"version\": {},\n", serde_json::to_string(&self.version)?);
         for (key, value) in [("name", &self.name), ("comment", &self.comment)] {
             if let Some(value) = value {
                 text += &format!("  \"{key}\": {},\n", serde_json::to_string(value)?);
@@ -369,6 +376,7 @@ mod tests {
                 SceneBody::default(),
             ],
             frames: vec![vec![BodyState::rigid(&[0.1, 0.7], &place), named]; 3],
+            schema: Some("docs/scene.schema.json".into()),
             name: Some("two".into()),
             comment: Some("a test".into()),
             ..Scene::default()

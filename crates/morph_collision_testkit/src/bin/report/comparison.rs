@@ -19,7 +19,7 @@ const RIVALS: [(&str, &[&str]); 6] = [
 ];
 
 /// How to read [`rivals`].
-pub(crate) const HOW_TO_READ: &str = "How many times as long as ours the other methods take; below 1 they are faster. \"-\" means that a method does not do this.\n\
+pub(crate) const HOW_TO_READ: &str = "How long the other methods take, as a multiple of our time; below 1 they are faster. \"-\" means that a method does not do this.\n\
     *Rebuilt* is the better of two methods that build a new tree in every frame, *Parry, refitted* the better of two ways to refit\n\
     Parry's tree.\n";
 

@@ -1,37 +1,23 @@
-//! A slap at ten frames a second. On the left, the hand is a discrete collider, and the slap is not felt. On the right, it is a continuous
-//! one, and a mark shows where it hit.
+//! Draws the slaps: lines along the ways of the hands, marks where they hit, and colours.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::gizmos::config::{DefaultGizmoConfigGroup, GizmoConfigStore};
 use bevy::prelude::*;
 
+use super::{Mark, Moment, Role, Side, TICK, Tally};
 use crate::app::STEP;
-use crate::slap::{Mark, Moment, Role, Side, TICK, Tally, plugin};
-use crate::view::Show;
 use crate::view::clock::{Clock, Pending};
 use crate::view::stage::Notes;
 
 /// The joint whose way is drawn: where the fingers begin.
 const KNUCKLE: &str = "middle_01_r";
 
-/// Two pairs of the CC0 character.
-#[must_use]
-pub fn slap() -> Show {
-    Show {
-        name: "slap",
-        about: "A slap at ten frames a second: lines join the places of the hand in two frames. Left: discrete. Right: continuous.",
-        keys: &[],
-        eye: Vec3::new(-0.3, 1.25, 2.0),
-        target: Vec3::new(-0.3, 0.5, 0.0),
-        pictures: &[34, 38, 50],
-        scene: Box::new(|app| {
-            app.add_plugins(plugin)
-                .add_systems(Startup, bring_ways_to_front)
-                .add_systems(PreUpdate, keep_time)
-                .add_systems(Update, (wait, color, draw_marks, tell))
-                .add_systems(PostUpdate, draw_ways.after(TransformSystems::Propagate));
-        }),
-    }
+/// Keeps the game's time, and draws.
+pub fn plugin(app: &mut App) {
+    app.add_systems(Startup, bring_ways_to_front)
+        .add_systems(PreUpdate, keep_time)
+        .add_systems(Update, (wait, color, draw_marks, tell))
+        .add_systems(PostUpdate, draw_ways.after(TransformSystems::Propagate));
 }
 
 /// Waits until the models are there.

@@ -12,17 +12,32 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, Wanted};
 
-use super::super::group::Member;
-use super::{Verdict, notes};
+use super::{Accepted, Verdict};
+use crate::view::group::Member;
 use crate::view::models::weights_of;
+use crate::view::overlay::OverlaySystems;
 use crate::view::stage::Notes;
 
 /// Frames to average over, because a browser's clock is coarse.
 const WINDOW: u32 = 30;
 
+/// Compares the methods while the copies run into each other, and puts the times on the panel.
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Race>().add_systems(
+        PostUpdate,
+        (reset.run_if(on_message::<Accepted>), run)
+            .chain()
+            .after(OverlaySystems),
+    );
+}
+
+fn reset(mut race: ResMut<Race>) {
+    *race = Race::default();
+}
+
 /// Two methods over the same bodies; empty until the model is on the stage.
 #[derive(Resource, Default)]
-pub(super) struct Race {
+struct Race {
     contenders: Vec<Contender>,
     /// The parts of both copies, each with the index of its copy, in the order of the methods' bodies.
     parts: Vec<(usize, Entity)>,
@@ -42,7 +57,7 @@ struct Contender {
 
 impl Race {
     /// A line for each method.
-    pub(super) fn notes(&self) -> Vec<(&'static str, String)> {
+    fn notes(&self) -> Vec<(&'static str, String)> {
         if let Some(trouble) = &self.trouble {
             return vec![("not compared", trouble.clone())];
         }
@@ -122,7 +137,7 @@ type Part<'a> = (
     Has<SkinnedMesh>,
 );
 
-pub(super) fn run(
+fn run(
     mut race: ResMut<Race>,
     parts: Query<Part, With<MorphCollider>>,
     shared: Query<&MorphWeights>,
@@ -214,4 +229,13 @@ fn morph_mesh(mesh: &Mesh) -> Option<MorphMesh> {
         .map(|target| target.iter().map(|displacement| displacement.position).collect())
         .collect();
     Some(found)
+}
+
+/// Notes about the model and its costs.
+fn notes(race: &Race, verdict: &Verdict) -> Notes {
+    let mut notes = race.notes();
+    if let Some(error) = verdict.now().error {
+        notes.push(("refused", error));
+    }
+    Notes(notes)
 }

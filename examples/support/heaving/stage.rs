@@ -1,45 +1,27 @@
-//! A player walks on a heaving hill while balls and boxes rain down.
+//! Draws the game, and turns keys into wishes of the player.
 
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::heaving::{self, Falling, Form, GROUND, Game, HALF_SEGMENT, Hill, Player, RADIUS, Tally, Wish};
-use crate::view::Show;
+use super::{Falling, Form, GROUND, HALF_SEGMENT, Hill, Player, RADIUS, Tally, Wish};
 use crate::view::clock::{PauseKey, Pending, is_typing};
 use crate::view::sliders::SliderSystems;
 use crate::view::smooth::{self, Smooth};
 use crate::view::stage::{Notes, StageCamera};
 
-/// The game, drawn.
-#[must_use]
-pub fn physics(game: Game) -> Show {
-    Show {
-        name: "physics",
-        about: "A hill from a glTF file heaves as its clip says: it carries who walks on it, and throws what falls on it. \
-            Physics in fixed steps, by Rapier.",
-        keys: &[
-            ("W A S D, arrows", "walk; alone, it walks by itself"),
-            ("Space", "jump"),
-        ],
-        // Shifted a little to the left, because of the panel.
-        eye: Vec3::new(-0.9, 4.3, 8.4),
-        target: Vec3::new(-0.9, 0.8, 0.0),
-        pictures: &[60, 180, 360, 540],
-        scene: Box::new(move |app| {
-            app.insert_resource(game)
-                .insert_resource(PauseKey(KeyCode::KeyP, "P"))
-                .add_plugins((heaving::plugin, smooth::plugin))
-                // Physics reads the weights that are drawn.
-                .configure_sets(PostUpdate, SliderSystems.before(TransformSystems::Propagate))
-                .add_systems(PostStartup, (wait, cast_shadows, light_the_ground))
-                .add_systems(
-                    PreUpdate,
-                    listen.after(bevy::input::InputSystems).run_if(not(is_typing)),
-                )
-                .add_systems(Update, (begin, dress, turn, tell));
-        }),
-    }
+/// Draws the game, and lets the user play it.
+pub fn plugin(app: &mut App) {
+    app.insert_resource(PauseKey(KeyCode::KeyP, "P"))
+        .add_plugins(smooth::plugin)
+        // Physics reads the weights that are drawn.
+        .configure_sets(PostUpdate, SliderSystems.before(TransformSystems::Propagate))
+        .add_systems(PostStartup, (wait, cast_shadows, light_the_ground))
+        .add_systems(
+            PreUpdate,
+            listen.after(bevy::input::InputSystems).run_if(not(is_typing)),
+        )
+        .add_systems(Update, (begin, dress, turn, tell));
 }
 
 /// Marks a show whose game has not begun.

@@ -1,47 +1,29 @@
-//! A character that kicks crates and is hit by rays. Places where its hand touches its face are
-//! red.
+//! Draws the character, its crates and darts, and where its hand touches its face.
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_morph_collision::{MorphPick, MorphTrees};
-use bevy_rapier3d::prelude::*;
 
-use crate::character::{Character, Crate, Dart, GROUND, HALF, HandOnFace, Moment, Skin, Tally, plugin};
-use crate::view::Show;
-use crate::view::clock::{Clock, Pending, is_typing};
+use super::{Character, Crate, Dart, GROUND, HALF, HandOnFace, Moment, Skin, Tally};
+use crate::view::clock::{Clock, Pending};
+use crate::view::marks::Marks;
 use crate::view::overlay::{OverlaySystems, SelfTouching};
-use crate::view::pointer::Clicks;
+use crate::view::pointer::{Clicks, remove_by_key};
 use crate::view::stage::Notes;
 
-/// The CC0 character.
-#[must_use]
-pub fn character() -> Show {
-    Show {
-        name: "character",
-        about: "A skinned and morphed character: rays stick to its skin, crates feel its feet, and its hand on its face is red.",
-        keys: &[("click", "sticks a dart to the skin"), ("X", "removes the darts")],
-        eye: Vec3::new(-0.35, 1.15, 3.75),
-        target: Vec3::new(-0.2, 0.62, 0.5),
-        pictures: &[66, 200],
-        scene: Box::new(|app| {
-            app.add_plugins((
-                RapierPhysicsPlugin::<NoUserData>::default(),
-                MorphRapierPlugin::default(),
-                plugin,
-            ))
-            .add_systems(Startup, light_the_ground)
-            .add_systems(PreUpdate, (wait, keep_time))
-            .add_systems(Update, (color, draw, remove_darts.run_if(not(is_typing)), tell))
-            .add_systems(
-                PostUpdate,
-                show_touching
-                    .after(MorphCollisionSystems::Anchors)
-                    .before(OverlaySystems),
-            )
-            .add_observer(stick_dart);
-        }),
-    }
+/// Keeps the game's time, draws, and lets the user stick darts to the skin.
+pub fn plugin(app: &mut App) {
+    app.add_systems(Startup, light_the_ground)
+        .add_systems(PreUpdate, (wait, keep_time))
+        .add_systems(Update, (color, draw, remove_by_key::<Dart>, tell))
+        .add_systems(
+            PostUpdate,
+            show_touching
+                .after(MorphCollisionSystems::Anchors)
+                .before(OverlaySystems),
+        )
+        .add_observer(stick_dart);
 }
 
 /// Waits until the character has its clips and its tree.
@@ -102,31 +84,16 @@ fn color(
 fn draw(
     crates: Query<Entity, Added<Crate>>,
     darts: Query<Entity, Added<Dart>>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    mut looks: Local<Option<[Handle<StandardMaterial>; 2]>>,
+    mut marks: Marks,
     mut commands: Commands,
 ) {
-    let [wood, orange] = looks.get_or_insert_with(|| {
-        [Color::srgb(0.72, 0.55, 0.36), Color::srgb(0.95, 0.6, 0.1)].map(|color| materials.add(color))
-    });
     for entity in &crates {
-        let cube = meshes.add(Cuboid::from_length(2.0 * HALF));
-        commands
-            .entity(entity)
-            .insert((Mesh3d(cube), MeshMaterial3d(wood.clone())));
+        let cube = marks.mesh(Color::srgb(0.72, 0.55, 0.36), Cuboid::from_length(2.0 * HALF));
+        commands.entity(entity).insert(cube);
     }
     for entity in &darts {
-        const LENGTH: f32 = 0.12;
-        // +Y points out of the skin.
-        let shaft = Mesh3d(meshes.add(Cylinder::new(0.006, LENGTH)));
-        let end = Mesh3d(meshes.add(Sphere::new(0.02)));
-        commands.entity(entity).with_children(|dart| {
-            for (mesh, height) in [(shaft, 0.5 * LENGTH), (end, LENGTH)] {
-                let place = Transform::from_xyz(0.0, height, 0.0);
-                dart.spawn((mesh, MeshMaterial3d(orange.clone()), place, Pickable::IGNORE));
-            }
-        });
+        let pin = marks.pin(Color::srgb(0.95, 0.6, 0.1), 0.12);
+        commands.entity(entity).insert(pin);
     }
 }
 
@@ -148,12 +115,6 @@ fn stick_dart(click: On<PointerClick>, clicks: Clicks, skins: Query<(), With<Ski
     if let Some(pick) = click.hit.extra_as::<MorphPick>() {
         let anchor = MorphSurfaceAnchor::new(click.entity, pick.triangle, pick.barycentrics);
         commands.spawn((Dart, anchor, Visibility::default()));
-    }
-}
-
-fn remove_darts(keys: Res<ButtonInput<KeyCode>>, darts: Query<Entity, With<Dart>>, mut commands: Commands) {
-    if keys.just_pressed(KeyCode::KeyX) {
-        darts.iter().for_each(|dart| commands.entity(dart).despawn());
     }
 }
 

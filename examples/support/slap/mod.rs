@@ -1,16 +1,18 @@
 //! Two characters slap two others, at so few frames a second that the hand is on one side of the face in one frame and on the other side
 //! in the next. One of the hands is a continuous collider.
 //!
-//! The window and the headless run of the example share this. Nothing here draws.
+//! This moves the characters and counts; the example itself spawns them and feels the slaps. The `stage` draws.
+
+#[cfg(feature = "render")]
+pub mod stage;
 
 use std::f32::consts::TAU;
+use std::fmt;
 use std::time::Duration;
 
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
-
-use crate::character::MODEL;
+use serde::Serialize;
 
 /// The time between two frames of the game: ten a second.
 pub const TICK: Duration = Duration::from_millis(100);
@@ -100,80 +102,34 @@ pub struct Felt {
     pub speed: f32,
 }
 
-/// The whole game, except for collisions themselves, and whatever sets [`Moment`].
+/// Moves arms, heads and faces, and counts slaps.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<Moment>()
-        .init_resource::<Tally>()
-        .add_systems(Startup, spawn)
-        .add_systems(
-            Update,
-            (count.run_if(resource_changed::<Moment>), swing, pull_faces).chain(),
-        );
+    app.init_resource::<Moment>().init_resource::<Tally>().add_systems(
+        Update,
+        (count.run_if(resource_changed::<Moment>), swing, pull_faces).chain(),
+    );
 }
 
-fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
-    for side in [Side::Discrete, Side::Continuous] {
+impl Role {
+    /// Where it stands. They face each other along the x axis; on the left without, on the right with a continuous collider.
+    #[must_use]
+    pub fn place(self, side: Side) -> Transform {
         let aside = if side == Side::Discrete { -ASIDE } else { ASIDE };
-        let scale = Vec3::splat(SCALE);
-        // They face each other along the x axis.
         let turn = Quat::from_rotation_y(0.25 * TAU);
         let start = Vec3::X * aside - turn * OPPOSITE * 0.5 * SCALE;
-        let slaps = Transform::from_translation(start).with_rotation(turn).with_scale(scale);
-        let is_slapped = Transform::from_translation(slaps * OPPOSITE)
-            .with_rotation(turn.inverse())
-            .with_scale(scale);
-        let character = |place: Transform, is_continuous: bool| {
-            let collider = MorphCollider::new(MorphCollisionMode::First).with_continuous(is_continuous);
-            let scene = MorphColliderScene { collider, ..default() };
-            let model = WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(MODEL)));
-            (side, model, scene, Visibility::default(), place)
-        };
-        commands.spawn((Role::Slaps, character(slaps, side == Side::Continuous)));
-        commands
-            .spawn((Role::IsSlapped, character(is_slapped, false)))
-            .observe(feel);
+        let slaps = Transform::from_translation(start)
+            .with_rotation(turn)
+            .with_scale(Vec3::splat(SCALE));
+        match self {
+            Role::Slaps => slaps,
+            Role::IsSlapped => slaps.with_translation(slaps * OPPOSITE).with_rotation(turn.inverse()),
+        }
     }
 }
 
 fn count(moment: Res<Moment>, mut tally: ResMut<Tally>, mut last: Local<u32>) {
     if moment.started && std::mem::replace(&mut *last, moment.tick) != moment.tick {
         tally.slaps += u32::from(moment.tick % PERIOD == SLAP);
-    }
-}
-
-/// Remembers that a slap was felt, and marks the place on the skin.
-fn feel(
-    start: On<MorphBodyCollisionStart>,
-    sides: Query<&Side>,
-    marks: Query<(Entity, &Side), With<Mark>>,
-    moment: Res<Moment>,
-    time: Res<Time>,
-    mut tally: ResMut<Tally>,
-    mut commands: Commands,
-) {
-    let Ok(&side) = sides.get(start.body1) else { return };
-    if !moment.started {
-        return;
-    }
-    // If the app draws several frames in a tick, everything that moves does so in the first of them.
-    let slower = time.delta_secs() / TICK.as_secs_f32();
-    tally.felt[side as usize] += 1;
-    tally.last[side as usize] = Some(Felt {
-        tick: moment.tick,
-        share: start.impact.map(|impact| impact.earliest),
-        speed: start.impact.map_or(0.0, |impact| impact.velocity.length() * slower),
-    });
-    for (mark, _) in marks.iter().filter(|(_, of)| **of == side) {
-        commands.entity(mark).despawn();
-    }
-    if let Some(MorphImpact {
-        triangles,
-        barycentrics,
-        ..
-    }) = start.impact
-    {
-        let anchor = MorphSurfaceAnchor::new(start.collider1, triangles.triangle_a, barycentrics[0]);
-        commands.spawn((Mark, side, anchor));
     }
 }
 
@@ -263,6 +219,57 @@ impl Tally {
         match ticks {
             Some(1..) => ticks.map_or(0.0, |ticks| (1.0 - (ticks - 1) as f32 / HURTS).max(0.0)),
             _ => 0.0,
+        }
+    }
+}
+
+/// The result of a run.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Report {
+    /// Number of slaps.
+    pub slaps: u32,
+    /// How many were felt on the left.
+    pub felt_discrete: u32,
+    /// How many were felt on the right.
+    pub felt_continuous: u32,
+    /// When the last one hit, as a share of the time between two frames.
+    pub share: Option<f64>,
+    /// The speed of the hand then, in metres per second.
+    pub speed: f32,
+}
+
+impl From<&Tally> for Report {
+    fn from(tally: &Tally) -> Self {
+        let [felt_discrete, felt_continuous] = tally.felt;
+        let [_, last] = tally.last;
+        Self {
+            slaps: tally.slaps,
+            felt_discrete,
+            felt_continuous,
+            share: last.and_then(|felt| felt.share),
+            speed: last.map_or(0.0, |felt| felt.speed),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} slaps, at {} frames a second",
+            self.slaps,
+            1.0 / TICK.as_secs_f32()
+        )?;
+        writeln!(f, "  discrete      felt {}", self.felt_discrete)?;
+        write!(f, "  continuous    felt {}", self.felt_continuous)?;
+        match self.share {
+            Some(share) => write!(
+                f,
+                "; the last after {:.1} % of a frame, at {:.1} m/s",
+                100.0 * share,
+                self.speed
+            ),
+            None => Ok(()),
         }
     }
 }

@@ -11,18 +11,18 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::scenes::dolphins::phase;
 
+use super::clock::{Clock, Pending, Trouble, started};
+use super::models::{Plays, scene};
 use crate::app::is_loaded;
 use crate::error::ExampleError;
 use crate::instances::{self, THICKNESS_ON_LANES};
-use crate::view::clock::{Clock, Pending, Trouble, started};
-use crate::view::models::{Plays, scene};
 
 /// The model and how to place its instances.
 #[derive(Resource, Clone, Debug)]
-pub(super) struct Group {
+pub struct Group {
     model: PathBuf,
     /// Number of instances.
-    pub(super) count: usize,
+    pub count: usize,
     /// Whether the model is not a dolphin: it may be thicker, have another centre, or have no clip.
     foreign: bool,
     /// The centre of a body at rest.
@@ -33,7 +33,7 @@ pub(super) struct Group {
 
 impl Group {
     /// `count` instances of the file `model`: an asset's name, or any path.
-    pub(super) fn new(model: &Path, count: usize, foreign: bool) -> Self {
+    pub fn new(model: &Path, count: usize, foreign: bool) -> Self {
         Self {
             model: model.into(),
             count,
@@ -44,14 +44,14 @@ impl Group {
     }
 
     /// Loads the model and spawns its instances, each a [`Member`].
-    pub(super) fn join(self, app: &mut App) {
+    pub fn join(self, app: &mut App) {
         app.insert_resource(self)
             .add_systems(Startup, load)
             .add_systems(Update, (spawn, (measure, wave).chain().run_if(started)));
     }
 
     /// Puts a body, scaled to a dolphin's thickness, where a dolphin would be.
-    pub(super) fn place(&self, dolphin: Transform) -> Transform {
+    pub fn place(&self, dolphin: Transform) -> Transform {
         let scale = 1.0 / self.size;
         Transform {
             translation: dolphin.translation - dolphin.rotation * self.center * scale,
@@ -63,7 +63,7 @@ impl Group {
 
 /// Index in the group.
 #[derive(Component, Clone, Copy, Debug)]
-pub(super) struct Member(pub(super) usize);
+pub struct Member(pub usize);
 
 /// The file while it is loading.
 #[derive(Component)]
@@ -107,7 +107,7 @@ fn spawn(world: &mut World) {
 
 /// Measures the extent of members.
 #[derive(SystemParam, Debug)]
-pub(super) struct Extent<'w, 's> {
+pub struct Extent<'w, 's> {
     members: Query<'w, 's, (&'static Member, &'static GlobalTransform)>,
     parts: Query<'w, 's, (Entity, &'static Aabb, &'static GlobalTransform)>,
     parents: Query<'w, 's, &'static ChildOf>,
@@ -116,7 +116,7 @@ pub(super) struct Extent<'w, 's> {
 impl Extent<'_, '_> {
     /// A box around all parts of the first member, in the space of its root. If there are none, it goes from
     /// infinity to minus infinity.
-    pub(super) fn of_first(&self) -> (Vec3, Vec3) {
+    pub fn of_first(&self) -> (Vec3, Vec3) {
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (part, bounds, place) in &self.parts {
             let Some((_, root)) = self
@@ -165,7 +165,7 @@ fn measure(
 
 /// Models of members that play no clip, so their weights have to be moved here.
 #[derive(SystemParam, Debug)]
-pub(super) struct Idle<'w, 's> {
+pub struct Idle<'w, 's> {
     models: Query<'w, 's, (Entity, &'static mut MorphWeights)>,
     playing: Query<'w, 's, (), With<AnimationGraphHandle>>,
     members: Query<'w, 's, &'static Member>,
@@ -174,7 +174,7 @@ pub(super) struct Idle<'w, 's> {
 
 impl Idle<'_, '_> {
     /// Calls `change` with each member's index and weights.
-    pub(super) fn for_each(&mut self, mut change: impl FnMut(usize, &mut [f32])) {
+    pub fn for_each(&mut self, mut change: impl FnMut(usize, &mut [f32])) {
         for (entity, mut weights) in &mut self.models {
             let above: Vec<Entity> = std::iter::once(entity)
                 .chain(self.parents.iter_ancestors(entity))

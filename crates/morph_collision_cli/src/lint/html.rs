@@ -23,7 +23,8 @@ pub(super) fn write(report: &LintReport, out: &mut dyn io::Write) -> io::Result<
     out.write_all(page(report).as_bytes())
 }
 
-fn page(report: &LintReport) -> String {
+/// The text of the page.
+pub(super) fn page(report: &LintReport) -> String {
     let model = report.model.display().to_string();
     let title = format!("Lint of {}", escaped(&model));
     let mut page = format!(

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
-use morph_collision_testkit::memory::{self, MemoryBudget};
+use morph_collision_testkit::memory;
 use morph_collision_testkit::printable::Printable;
 
 use super::{EFFORT, LintArgs, MIXTURES, SEED, html, report_of};
@@ -49,7 +49,7 @@ impl Lint {
             memory_limit,
             any_path: false,
         };
-        let file = GltfFile::read_from(bytes, name, &options, MemoryBudget::new(memory_limit))?;
+        let file = GltfFile::parse(bytes, name, &options)?;
         let report = report_of(&self.args(name.to_owned()), &file)?;
         Ok(LintPage {
             html: html::page(&report),

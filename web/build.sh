@@ -12,10 +12,10 @@ have=$(wasm-bindgen --version 2>/dev/null | cut -d' ' -f2 || true)
 [ -x web/node_modules/.bin/wasm-opt ] || { echo "wasm-opt is needed: just web-tools" >&2; exit 1; }
 
 mkdir -p "$work"
-# Builds the program of a package and shrinks it: build PACKAGE NAME
+# Builds the program of a package and shrinks it: build NAME PACKAGE FEATURES
 build() {
-    local package=$1 name=$2
-    cargo build --profile web --target wasm32-unknown-unknown -p "$package"
+    local name=$1 package=$2
+    cargo build --profile web --target wasm32-unknown-unknown -p "$package" "${@:3}"
     wasm-bindgen --target web --no-typescript --remove-name-section --remove-producers-section --out-dir "$work" --out-name "$name" \
         "$target/wasm32-unknown-unknown/web/$package.wasm"
     # Takes a quarter of an hour for the large program, so it is only done for another program.
@@ -26,12 +26,13 @@ build() {
         cp "$work/${name}_bg.wasm" "$work/${name}_shrunk_from.wasm"
     fi
 }
-build morph_collision_web_checks checks
-build morph_collision_web morph
+build checks morph_collision_web_checks
+build shows morph_collision_web
+build physics morph_collision_web --features physics
 
 rm -rf "$site"
 mkdir -p "$site/assets" "$site/pictures"
-for name in checks morph; do
+for name in checks shows physics; do
     cp "$work/$name.js" "$site/$name.js"
     cp "$work/${name}_shrunk.wasm" "$site/${name}_bg.wasm"
 done

@@ -51,8 +51,16 @@ export class Panel {
     this.#run();
   }
 
-  /** Says why there is no report. */
+  /** Says why a file cannot be linted. */
   refuse(why) {
+    this.#file = null;
+    this.warnings.replaceChildren();
+    this.report.hidden = this.save.hidden = this.warnings.hidden = true;
+    this.#fail(why);
+  }
+
+  /** Says why there is no report. */
+  #fail(why) {
     this.#end();
     this.trouble = why;
     this.what.textContent = why;
@@ -62,7 +70,7 @@ export class Panel {
   #run() {
     const { name, bytes } = this.#file;
     const lack = lacking({ drawing: false });
-    if (lack) return this.refuse(lack);
+    if (lack) return this.#fail(lack);
     this.#end();
     this.trouble = null;
     this.what.className = "what";
@@ -78,7 +86,7 @@ export class Panel {
     this.#worker.addEventListener("message", ({ data }) => this.#hear(data));
     this.#worker.addEventListener("error", (event) => {
       event.preventDefault();
-      this.refuse(`The program cannot run: ${event.message ?? "its files cannot be loaded"}. Reload the page to try again.`);
+      this.#fail(`The program cannot run: ${event.message ?? "its files cannot be loaded"}. Reload the page to try again.`);
     });
     const options = OPTIONS.map(([option]) => this.form.elements[option].checked);
     this.#worker.postMessage({ name, bytes, options });
@@ -101,7 +109,7 @@ export class Panel {
       this.warnings.append(line);
       this.warnings.hidden = false;
     }
-    if (error) this.refuse(explained(error));
+    if (error) this.#fail(explained(error));
     if (report) this.#show(report);
   }
 

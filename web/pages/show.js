@@ -1,7 +1,6 @@
-// A page with a show on it: <body data-show="name" data-files="what it needs of assets/">.
+// A page with a show on it: <body data-show="name" data-files="what it needs of assets/" data-program="which program has it, if not shows">.
 
 import { lacking, load } from "./load.js";
-import init, { Stage } from "./morph.js";
 
 const main = document.querySelector("main");
 /** Keys that all shows have: what they are called in the program and on the page, and what they do. */
@@ -73,10 +72,11 @@ canvas.addEventListener("webglcontextlost", () => stop("The graphics card was ta
 async function start() {
   const lack = lacking({ drawing: true });
   if (lack) return stop(lack);
-  const { show: name, files = "" } = document.body.dataset;
+  const { show: name, files = "", program = "shows" } = document.body.dataset;
   const names = files.split(" ").filter(Boolean);
   try {
-    const bytes = await load({ program: "morph_bg.wasm", init }, names.map((file) => `assets/${file}`), what, bar);
+    const { default: init, Stage } = await import(`./${program}.js`);
+    const bytes = await load({ program: `${program}_bg.wasm`, init }, names.map((file) => `assets/${file}`), what, bar);
     const stage = new Stage();
     names.forEach((file, i) => stage.provide(file, bytes[i]));
     stage.start(name, "#show");

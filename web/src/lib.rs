@@ -1,5 +1,7 @@
 //! The API for the pages' scripts: a stage for the drawn examples.
 //!
+//! It is built twice, because the shows with physics (feature `physics`) need a much larger program.
+//!
 //! A page creates a `Stage`, gives it the files that the show needs, and starts it. From then on the show runs by itself, and the page polls
 //! its state. On targets other than wasm32, this crate is empty.
 #![cfg(target_arch = "wasm32")]

@@ -1,11 +1,11 @@
-// Takes the documentation's pictures of pages: node web/pictures.mjs FOLDER
+// Takes the documentation's pictures of pages, all or some: node web/pictures.mjs FOLDER [NAME...]
 
 import { mkdirSync, statSync } from "node:fs";
 import { join } from "node:path";
 
 import { begun, open, serve, until, visit } from "./tests/site.mjs";
 
-const folder = process.argv[2];
+const [folder, ...wanted] = process.argv.slice(2);
 /** What fits beside text. */
 const LARGEST = 150_000;
 const PHONE = { width: 360, height: 640, hasTouch: true, isMobile: true };
@@ -15,8 +15,7 @@ const WINDOW = { width: 800, height: 640 };
 const PAGES = {
   index: ["index.html", WINDOW, async () => {}],
   own: ["own.html", WINDOW, touching],
-  lint: ["lint.html", { width: 800, height: 900 }, linted],
-  lint_phone: ["lint.html", PHONE, linted],
+  lint: ["lint.html", { width: 800, height: 860 }, linted],
   face_phone: ["face.html", PHONE, touching],
 };
 
@@ -36,6 +35,7 @@ const site = await serve();
 const browser = await open();
 try {
   for (const [name, [path, viewport, ready]] of Object.entries(PAGES)) {
+    if (wanted.length > 0 && !wanted.includes(name)) continue;
     const { page } = await visit(browser.browser, `${site.origin}/${path}`, viewport);
     await ready(page);
     const picture = join(folder, `${name}.png`);

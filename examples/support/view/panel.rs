@@ -36,7 +36,7 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 /// Uses one font for everything. All fonts that egui uses by default would add 600 kB to what a web page downloads.
-fn set_fonts(added: On<Add, EguiContext>, mut contexts: Query<&mut EguiContext>) {
+fn set_fonts(added: On<Add<EguiContext>>, mut contexts: Query<&mut EguiContext>) {
     let name = "Ubuntu-Light";
     let mut fonts = FontDefinitions::empty();
     let data = FontData::from_static(epaint_default_fonts::UBUNTU_LIGHT);

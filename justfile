@@ -189,6 +189,10 @@ serve PORT="8080":
 web-test: web
     node --test --test-concurrency=1 web/tests/*.test.mjs
 
+# Regenerates the pictures of pages in docs/gallery.md and docs/lint.md from the site.
+web-pictures: web
+    node web/pictures.mjs docs/pictures/site
+
 # Installs the tools for the web recipes, except Node.js, Python and Chromium: the target, wasm-bindgen in the version of Cargo.lock, and the npm packages.
 web-tools:
     rustup target add wasm32-unknown-unknown

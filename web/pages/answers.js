@@ -1,7 +1,7 @@
 // The same bits as elsewhere: every scene's hashes, worked out here.
 
+import init, { Answers } from "./checks.js";
 import { lacking, load } from "./load.js";
-import { Answers } from "./morph.js";
 
 const [what, bar, rows] = [".what", "progress", "tbody"].map((name) => document.querySelector(name));
 
@@ -21,7 +21,7 @@ addEventListener("unhandledrejection", (event) => stop(event.reason?.message ?? 
 async function run() {
   const lack = lacking({ drawing: false });
   if (lack) return stop(lack);
-  await load([], what, bar);
+  await load({ program: "checks_bg.wasm", init }, [], what, bar);
   const test = new Answers();
   bar.max = test.count;
   for (let i = 0; i < test.count; i += 1) {

@@ -1,8 +1,4 @@
-// Downloads what a page needs, with a bar that knows how much is to come, and starts the program.
-
-import init from "./morph.js";
-
-const PROGRAM = "morph_bg.wasm";
+// Downloads what a page needs, with a bar that knows how much is to come, and starts a program.
 
 /** A module of one function that makes a vector of zeros: where it is no module, there are no vector instructions. */
 const VECTORS = new Uint8Array([
@@ -48,8 +44,8 @@ async function get(name) {
   return response;
 }
 
-/** Downloads the program and these files, and starts the program; the files' bytes. How far that is, `what` says in words and `bar` shows. */
-export async function load(files, what, bar) {
+/** Downloads a program and these files, and starts the program with `init`; the files' bytes. How far that is, `what` says in words and `bar` shows. */
+export async function load({ program, init }, files, what, bar) {
   const megabytes = (bytes) => (bytes / 1e6).toFixed(1);
   let failed = false;
   const progress = (here, total) => {
@@ -60,8 +56,8 @@ export async function load(files, what, bar) {
     what.textContent = here < total ? `${megabytes(here)} of ${megabytes(total)} MB` : "Starting";
   };
   try {
-    const [program, ...rest] = await download([PROGRAM, ...files], progress);
-    await init({ module_or_path: program });
+    const [bytes, ...rest] = await download([program, ...files], progress);
+    await init({ module_or_path: bytes });
     return rest;
   } catch (error) {
     failed = true;

@@ -1,21 +1,50 @@
-// A page with a show on it: <body data-show="name" data-files="what it needs of assets/">.
+// A page with a show on it: <body data-show="name" data-files="what it needs of assets/" data-program="which program has it, if not shows">.
 
 import { lacking, load } from "./load.js";
-import { Stage } from "./morph.js";
 
 const main = document.querySelector("main");
-// Where the show needs Space for something else, another key pauses.
-const { pause = "Space" } = document.body.dataset;
+/** Keys that all shows have: what they are called in the program and on the page, and what they do. */
+const KEYS = [
+  // Where the show needs Space for something else, another key pauses.
+  document.body.dataset.pause === "P" ? ["KeyP", "P", "Pause"] : ["Space", "Space", "Pause"],
+  ["Period", ".", "One frame"],
+  ["Minus", "−", "Slower"],
+  ["Equal", "=", "Faster"],
+  ["KeyT", "T", "Touching triangles"],
+  ["KeyV", "V", "Boxes"],
+];
+/** And those of this show: data-keys="KeyX X Remove the pins; ...". */
+const OWN_KEYS = (document.body.dataset.keys ?? "").split(";").filter(Boolean).map((line) => {
+  const [code, key, ...words] = line.trim().split(" ");
+  return [code, key, words.join(" ")];
+});
+const keyButton = ([code, key, words]) => `<button type="button" data-code="${code}">${words} <kbd>${key}</kbd></button>`;
 main.insertAdjacentHTML("afterbegin", `
   <div class="stage">
     <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the panel on it has the controls."></canvas>
     <div class="cover"><p class="what" role="status">Loading</p><progress></progress></div>
   </div>
-  <p class="hands">Look around with the right mouse button or one finger, zoom with the wheel or two. ${pause} pauses, “.” goes on by one frame, T shows and
-    hides what touches, V the bounding volumes.</p>
+  <div class="keys" role="group" aria-label="Keys of the show">${[...OWN_KEYS, ...KEYS].map(keyButton).join("")}</div>
+  <p class="hands"><b>Mouse:</b> the right button looks around, the middle one moves the view, the wheel zooms. <b>Touch:</b> one finger looks around, two zoom. The
+    keys work while the picture has the focus: click on it, or press Tab.</p>
   <dl class="counts" aria-label="What the show counts"></dl>`);
 const [cover, what, bar, counts] = [".cover", ".what", "progress", ".counts"].map((name) => main.querySelector(name));
 const canvas = main.querySelector("canvas");
+
+// A button holds its key as long as it is pressed itself, so that all keys can be used without a keyboard.
+for (const button of main.querySelectorAll(".keys button")) {
+  const { code } = button.dataset;
+  const key = code.replace(/^Key/, "").toLowerCase();
+  const send = (type) => canvas.dispatchEvent(new KeyboardEvent(type, { code, key, bubbles: true }));
+  button.addEventListener("pointerdown", () => send("keydown"));
+  for (const end of ["pointerup", "pointerleave", "pointercancel"]) button.addEventListener(end, () => send("keyup"));
+  // Enter and Space on the button: there is no pointer.
+  button.addEventListener("click", ({ detail }) => {
+    if (detail !== 0) return;
+    send("keydown");
+    setTimeout(() => send("keyup"), 100);
+  });
+}
 
 /** What a test, or a curious user, may ask. */
 export const show = {
@@ -43,10 +72,11 @@ canvas.addEventListener("webglcontextlost", () => stop("The graphics card was ta
 async function start() {
   const lack = lacking({ drawing: true });
   if (lack) return stop(lack);
-  const { show: name, files = "" } = document.body.dataset;
+  const { show: name, files = "", program = "shows" } = document.body.dataset;
   const names = files.split(" ").filter(Boolean);
   try {
-    const bytes = await load(names.map((file) => `assets/${file}`), what, bar);
+    const { default: init, Stage } = await import(`./${program}.js`);
+    const bytes = await load({ program: `${program}_bg.wasm`, init }, names.map((file) => `assets/${file}`), what, bar);
     const stage = new Stage();
     names.forEach((file, i) => stage.provide(file, bytes[i]));
     stage.start(name, "#show");

@@ -1,4 +1,6 @@
-//! The API for the pages' scripts: a stage for the drawn examples, and a check that answers have the same bits here as elsewhere.
+//! The API for the pages' scripts: a stage for the drawn examples.
+//!
+//! It is built twice, because the shows with physics (feature `physics`) need a much larger program.
 //!
 //! A page creates a `Stage`, gives it the files that the show needs, and starts it. From then on the show runs by itself, and the page polls
 //! its state. On targets other than wasm32, this crate is empty.
@@ -6,5 +8,4 @@
 // The code that `wasm_bindgen` generates for exports is unsafe. Nothing written here is.
 #![allow(unsafe_code)]
 
-mod answers;
 mod stage;

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use morph_collision_workspace::heaving::Game;
 use morph_collision_workspace::shows::{self, Inbox, Judged, Verdict};
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::files::Files;
@@ -45,7 +44,7 @@ impl Stage {
     /// Starts a show in the canvas that this CSS selector finds. Call it once.
     ///
     /// # Errors
-    /// Fails if there is no show with that name.
+    /// Fails if this program has no show with that name.
     pub fn start(&self, name: &str, canvas: &str) -> Result<(), String> {
         let show = self.show(name).ok_or_else(|| format!("there is no example {name:?}"))?;
         page::run(show, canvas, &self.files, self.told.clone());
@@ -67,17 +66,25 @@ impl Stage {
         serde_json::to_string(&report).unwrap_or_default()
     }
 
+    #[cfg(feature = "physics")]
+    fn show(&self, name: &str) -> Option<Show> {
+        Some(match name {
+            "character" => shows::character(),
+            "physics" => shows::physics(morph_collision_workspace::heaving::Game::default()),
+            _ => return None,
+        })
+    }
+
+    #[cfg(not(feature = "physics"))]
     fn show(&self, name: &str) -> Option<Show> {
         let dolphin = Path::new("dolphin_564.glb");
         Some(match name {
             "dolphins" => shows::dolphins(Path::new("dolphin_2256.glb"), 12, false),
             "pass_through" => shows::pass_through(),
             "face" => shows::face(),
-            "character" => shows::character(),
             "picking" => shows::picking(),
             "culling" => shows::culling(),
             "slap" => shows::slap(),
-            "physics" => shows::physics(Game::default()),
             "crowd" => shows::crowd(dolphin, 125, false),
             "own" => shows::own(self.inbox.clone(), self.verdict.clone()),
             _ => return None,

@@ -84,6 +84,23 @@ test("a model that is dropped is inspected, played, and collides with its copy",
   await page.close();
 });
 
+test("the other tab lints the same model", async () => {
+  const { page, errors } = await own();
+  await page.click("[data-tab=lint]");
+  await until(page, () => /^dolphin_2256\.glb: .* shapes, after/.test(document.querySelector(".lint .what")?.textContent));
+  assert.ok(await page.$eval("main", (show) => show.hidden));
+  // Another one is linted at once.
+  await drop(page, resolve("assets/mh_character_low.glb"), ".lint");
+  await until(page, () => /^mh_character_low\.glb: 36 findings/.test(document.querySelector(".lint .what").textContent));
+  await keep(page, "own_lint");
+  // And collides with its copy, on the first tab.
+  await page.click("[data-tab=collide]");
+  await until(page, () => document.querySelector("pre").textContent.includes("mh_character_low.glb"));
+  assert.ok(await page.$eval("section.lint", (panel) => panel.hidden));
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
 test("a file that is no good is refused, and the model before it stays", async () => {
   const { page, errors, requests } = await own();
   const dolphin = readFileSync("assets/dolphin_564.glb");

@@ -89,6 +89,25 @@ test("keys make the player walk and jump", async () => {
   await page.close();
 });
 
+test("buttons stand for keys", async () => {
+  const { page, errors } = await visit(browser.browser, `${site.origin}/picking.html`);
+  await begun(page);
+  const frame = async () => (await state(page)).frame;
+  await page.click("[data-code=Space]");
+  await new Promise((then) => setTimeout(then, 1500));
+  const paused = await frame();
+  await new Promise((then) => setTimeout(then, 1000));
+  assert.equal(await frame(), paused);
+  await page.click("[data-code=Period]");
+  await until(page, (paused) => window.show.state().frame === paused + 1, paused);
+  // And with the keyboard, when the button has the focus.
+  await page.focus("[data-code=Space]");
+  await page.keyboard.press("Enter");
+  await until(page, (paused) => window.show.state().frame > paused + 2, paused);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
 test("a finger looks around", async () => {
   const phone = { width: 420, height: 800, hasTouch: true, isMobile: true };
   const { page, errors } = await visit(browser.browser, `${site.origin}/picking.html`, phone);
@@ -115,11 +134,14 @@ test("a finger looks around", async () => {
 
 test("the gallery leads to every page, with pictures", async () => {
   const { page, errors } = await visit(browser.browser, `${site.origin}/index.html`);
-  const { links, pictures } = await page.evaluate(() => ({
+  const { links } = await page.evaluate(() => ({
     links: [...document.querySelectorAll(".cards a")].map((link) => link.getAttribute("href")),
-    pictures: [...document.images].map((picture) => [picture.src, picture.complete && picture.naturalWidth > 0]),
   }));
-  assert.deepEqual(links.toSorted(), [...Object.keys(FOUND), "answers"].map((name) => `${name}.html`).toSorted());
+  const pictures = await page.evaluate(() => Promise.all([...document.images].map(async (picture) => {
+    picture.loading = "eager";
+    return [picture.src, await picture.decode().then(() => picture.naturalWidth > 0, () => false)];
+  })));
+  assert.deepEqual(links.toSorted(), [...Object.keys(FOUND), "answers", "lint"].map((name) => `${name}.html`).toSorted());
   for (const [source, is] of pictures) assert.ok(is, source);
   for (const link of links) {
     const response = await fetch(`${site.origin}/${link}`);

@@ -123,13 +123,13 @@ export async function keep(page, name) {
   await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
 }
 
-/** Drops a file from the disk on the middle of the stage, as a hand would. */
-export async function drop(page, path) {
-  const box = await (await page.$(".stage")).boundingBox();
+/** Drops a file from the disk on the stage or another part of the page, as a hand would. */
+export async function drop(page, path, on = ".stage") {
+  const box = await (await page.$(on)).boundingBox();
   const client = await page.createCDPSession();
   const data = { items: [], files: [path], dragOperationsMask: 1 };
   for (const type of ["dragEnter", "dragOver", "drop"]) {
-    await client.send("Input.dispatchDragEvent", { type, x: box.x + box.width / 2, y: box.y + box.height / 2, data });
+    await client.send("Input.dispatchDragEvent", { type, x: box.x + box.width / 2, y: box.y + Math.min(box.height / 2, 200), data });
   }
   await client.detach();
 }

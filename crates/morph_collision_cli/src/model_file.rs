@@ -21,7 +21,7 @@ use crate::progress;
 pub(crate) const STANDARD: &str = "-";
 
 /// How far commands trust the files they read.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct FileArgs {
     /// The most memory that a file may take with everything that is built from it; for a scene, all its files together.
     ///

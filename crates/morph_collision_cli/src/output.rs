@@ -61,12 +61,15 @@ pub(crate) fn write(text: &str) -> Result<(), CliError> {
         .map_err(CliError::Stdout)
 }
 
-/// Writes a one-line message to stderr after the program's name. Failures are ignored because there is nobody
+/// Writes a one-line message to stderr after the program's name, or passes it to the listener. Failures are ignored because there is nobody
 /// left to tell.
 pub(crate) fn complain(message: impl Display) {
     progress::clear();
     let text = message.to_string();
-    let _ = writeln!(io::stderr().lock(), "morph-collide: {}", Printable(text.trim_end()));
+    let text = Printable(text.trim_end()).to_string();
+    if !progress::warn_listener(&text) {
+        let _ = writeln!(io::stderr().lock(), "morph-collide: {text}");
+    }
 }
 
 /// Like [`complain`], for a message of several lines.

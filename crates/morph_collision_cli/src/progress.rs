@@ -1,6 +1,7 @@
 //! What the program is doing, on stderr: a line that is kept up to date on a terminal, and an occasional line elsewhere.
 //!
-//! There is one activity at a time, so it is a global. A thread of its own shows it, so a long step is shown while it lasts.
+//! There is one activity at a time, so it is a global. A thread of its own shows it, so a long step is shown while it lasts. A program that
+//! uses this library is told instead, if it [listens](listen).
 
 use std::io::{self, IsTerminal};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -32,16 +33,47 @@ const TICK: Duration = Duration::from_millis(100);
 
 static NOW: Mutex<Option<Activity>> = Mutex::new(None);
 
+/// What a listener is told while a command runs.
+#[derive(Clone, Copy, Debug)]
+pub enum Told<'a> {
+    /// Something begins, or one of its steps is done.
+    Progress {
+        /// What is being done.
+        what: &'a str,
+        /// Steps done and all steps, if they are counted.
+        steps: Option<(u64, u64)>,
+    },
+    /// What was left out of the result, and why.
+    Warning(&'a str),
+}
+
+/// A function that is told about progress and warnings.
+pub type Listener = fn(Told<'_>);
+
 /// What is being done, and how far it is.
 #[derive(Debug)]
 struct Activity {
     what: String,
     /// Steps done and all steps, if they are counted.
     steps: Option<(u64, u64)>,
-    start: Instant,
-    every_step: bool,
-    /// On a terminal, once something is shown.
-    bar: Option<ProgressBar>,
+    audience: Audience,
+}
+
+/// Who is told.
+#[derive(Debug)]
+enum Audience {
+    Stderr {
+        start: Instant,
+        every_step: bool,
+        /// On a terminal, once something is shown.
+        bar: Option<ProgressBar>,
+    },
+    Listener(Listener),
+}
+
+/// Passes progress and warnings of all that follows to a function, from the thread that does the work.
+pub fn listen(listener: Listener) {
+    *now() = Some(Activity::new(Audience::Listener(listener)));
 }
 
 fn now() -> MutexGuard<'static, Option<Activity>> {
@@ -51,13 +83,11 @@ fn now() -> MutexGuard<'static, Option<Activity>> {
 impl ProgressArgs {
     /// Starts to show what the program does.
     pub(crate) fn start(&self) {
-        *now() = Some(Activity {
-            what: String::new(),
-            steps: None,
+        *now() = Some(Activity::new(Audience::Stderr {
             start: Instant::now(),
             every_step: self.progress == 0,
             bar: None,
-        });
+        }));
         let every = Duration::from_secs(self.progress.into());
         // It ends with the program.
         std::thread::spawn(move || {
@@ -72,7 +102,7 @@ impl ProgressArgs {
             }
             while !every.is_zero() {
                 std::thread::sleep(every);
-                let line = now().as_ref().map(Activity::line);
+                let line = now().as_ref().and_then(Activity::line);
                 if let Some(line) = line {
                     output::complain(line);
                 }
@@ -108,7 +138,8 @@ impl Steps {
             if let Some((done, _)) = &mut activity.steps {
                 *done += 1;
             }
-            line = activity.every_step.then(|| activity.line());
+            activity.tell();
+            line = activity.line_of_step();
         }
         if let Some(line) = line {
             output::complain(line);
@@ -118,8 +149,8 @@ impl Steps {
 
 /// Removes the display, so that something else can be written to the terminal.
 pub(crate) fn clear() {
-    if let Some(bar) = now().as_mut().and_then(|activity| activity.bar.take()) {
-        bar.finish_and_clear();
+    if let Some(activity) = now().as_mut() {
+        activity.clear();
     }
 }
 
@@ -129,26 +160,74 @@ pub(crate) fn end() {
     *now() = None;
 }
 
+/// Passes a warning to the listener. Returns false if there is none.
+pub(crate) fn warn_listener(warning: &str) -> bool {
+    match now().as_ref().map(|activity| &activity.audience) {
+        Some(Audience::Listener(listener)) => listener(Told::Warning(warning)),
+        _ => return false,
+    }
+    true
+}
+
 impl Activity {
-    fn begin(&mut self, what: String, steps: Option<(u64, u64)>) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
+    fn new(audience: Audience) -> Self {
+        Self {
+            what: String::new(),
+            steps: None,
+            audience,
         }
-        (self.what, self.steps) = (what, steps);
     }
 
-    /// The line to write after `self.start`.
-    fn line(&self) -> String {
-        let (what, seconds) = (&self.what, self.start.elapsed().as_secs());
-        match self.steps {
+    fn begin(&mut self, what: String, steps: Option<(u64, u64)>) {
+        self.clear();
+        (self.what, self.steps) = (what, steps);
+        self.tell();
+    }
+
+    fn clear(&mut self) {
+        if let Audience::Stderr { bar, .. } = &mut self.audience
+            && let Some(bar) = bar.take()
+        {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Tells the listener, if there is one.
+    fn tell(&self) {
+        if let Audience::Listener(listener) = self.audience {
+            listener(Told::Progress {
+                what: &self.what,
+                steps: self.steps,
+            });
+        }
+    }
+
+    /// The line to write to stderr after some time.
+    fn line(&self) -> Option<String> {
+        let Audience::Stderr { start, .. } = self.audience else {
+            return None;
+        };
+        let (what, seconds) = (&self.what, start.elapsed().as_secs());
+        Some(match self.steps {
             Some((done, all)) => format!("progress: {what} {done} of {all} after {seconds} s"),
             None => format!("progress: {what}, after {seconds} s"),
+        })
+    }
+
+    /// The line to write after each step, if that is asked for.
+    fn line_of_step(&self) -> Option<String> {
+        match self.audience {
+            Audience::Stderr { every_step: true, .. } => self.line(),
+            _ => None,
         }
     }
 
     /// Updates the line on the terminal.
     fn draw(&mut self) {
-        let bar = self.bar.get_or_insert_with(|| {
+        let Audience::Stderr { bar, .. } = &mut self.audience else {
+            return;
+        };
+        let bar = bar.get_or_insert_with(|| {
             let (bar, template) = match self.steps {
                 Some((_, all)) => (ProgressBar::new(all), "{msg} {pos}/{len} [{bar:40}] {eta} left"),
                 None => (ProgressBar::new_spinner(), "{spinner} {msg}"),
@@ -171,15 +250,17 @@ mod tests {
 
     #[test]
     fn a_line_says_what_is_done_and_how_far_it_is() {
-        let mut activity = Activity {
-            what: "reading head.glb".into(),
-            steps: None,
+        let mut activity = Activity::new(Audience::Stderr {
             start: Instant::now(),
             every_step: false,
             bar: None,
-        };
-        assert_eq!(activity.line(), "progress: reading head.glb, after 0 s");
+        });
+        activity.begin("reading head.glb".into(), None);
+        assert_eq!(
+            activity.line().as_deref(),
+            Some("progress: reading head.glb, after 0 s")
+        );
         activity.begin("frame".into(), Some((3, 9)));
-        assert_eq!(activity.line(), "progress: frame 3 of 9 after 0 s");
+        assert_eq!(activity.line().as_deref(), Some("progress: frame 3 of 9 after 0 s"));
     }
 }

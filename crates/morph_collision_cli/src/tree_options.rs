@@ -4,7 +4,7 @@ use clap::Args;
 use morph_collision::BuildOptions;
 
 /// How trees are built. Defaults are the library's.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub(crate) struct TreeArgs {
     /// The most triangles in a leaf of this library's trees, 1 to 255; 8 by default. It changes the speed, never an answer.
     #[arg(long, value_name = "N", value_parser = parse_leaf)]

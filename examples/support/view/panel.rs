@@ -2,7 +2,8 @@
 
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
-use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+use bevy_egui::egui::{FontData, FontDefinitions, FontFamily};
+use bevy_egui::{EguiContext, EguiContexts, EguiPrimaryContextPass, egui};
 use bevy_morph_collision::prelude::*;
 
 use super::clock::{self, Clock, PauseKey};
@@ -29,8 +30,23 @@ const LONGEST: f32 = 200.0;
 const DEEPEST: usize = 12;
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(EguiPrimaryContextPass, panel)
+    app.add_observer(set_fonts)
+        .add_systems(EguiPrimaryContextPass, panel)
         .add_systems(Update, volumes_by_key.run_if(not(clock::is_typing)));
+}
+
+/// Uses one font for everything. All fonts that egui uses by default would add 600 kB to what a web page downloads.
+fn set_fonts(added: On<Add<EguiContext>>, mut contexts: Query<&mut EguiContext>) {
+    let name = "Ubuntu-Light";
+    let mut fonts = FontDefinitions::empty();
+    let data = FontData::from_static(epaint_default_fonts::UBUNTU_LIGHT);
+    fonts.font_data.insert(name.to_owned(), data.into());
+    for family in [FontFamily::Proportional, FontFamily::Monospace] {
+        fonts.families.insert(family, vec![name.to_owned()]);
+    }
+    if let Ok(mut context) = contexts.get_mut(added.entity) {
+        context.get_mut().set_fonts(fonts);
+    }
 }
 
 fn volumes_by_key(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {

@@ -10,20 +10,23 @@ use super::picture;
 use super::report::{FindingReport, LintReport, MeshReport};
 use super::suggest::Suggestion;
 
-const PAGE_STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:76em;padding:0 1em;color:#222;background:#fff}\
+const PAGE_STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:76em;padding:0 1em;color:#222;background:#fff;overflow-wrap:anywhere}\
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}\
 table{border-collapse:collapse;width:100%;table-layout:fixed;overflow-wrap:anywhere}th{text-align:left;border-bottom:2px solid #999;padding:.3em .6em}\
 td{border-bottom:1px solid #ddd;padding:.5em .6em;vertical-align:top}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}\
 tr.accepted{opacity:.55}svg{width:240px;height:240px;background:#f3f4f5;border-radius:4px;display:block}\
 .where{color:#555}input{font:12px ui-monospace,monospace;width:100%;box-sizing:border-box;margin-top:.4em;border:1px solid #ccc;padding:.25em}\
-i.r,i.b{display:inline-block;width:.8em;height:.8em;border-radius:2px}i.r{background:#d8352a}i.b{background:#2468c8}";
+i.r,i.b{display:inline-block;width:.8em;height:.8em;border-radius:2px}i.r{background:#d8352a}i.b{background:#2468c8}\
+@media(max-width:45em){body{margin:1em auto}thead{display:none}table,tbody,tr,td{display:block}tr{border-bottom:1px solid #ddd;padding:.6em 0}\
+td,td.n{border:0;padding:.15em 0;text-align:left}td:first-child::before{content:\"depth \"}td:last-child::before{content:\"pairs \"}}";
 
 /// Writes the page.
 pub(super) fn write(report: &LintReport, out: &mut dyn io::Write) -> io::Result<()> {
     out.write_all(page(report).as_bytes())
 }
 
-fn page(report: &LintReport) -> String {
+/// The text of the page.
+pub(super) fn page(report: &LintReport) -> String {
     let model = report.model.display().to_string();
     let title = format!("Lint of {}", escaped(&model));
     let mut page = format!(

@@ -1,4 +1,4 @@
-//! `morph-collide lint`: which weights make a mesh run into itself.
+//! `morph-collide lint`: which weights make a mesh run into itself. [`Lint`] does the same with a file in memory.
 //!
 //! ```text
 //! targets, clips, captures --poses--> shapes --search--> new pairs --regions--> regions --findings--> report
@@ -8,6 +8,7 @@ mod baseline;
 mod capture;
 mod findings;
 mod html;
+mod in_memory;
 mod input;
 mod parts;
 mod picture;
@@ -24,6 +25,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use morph_collision_testkit::gltf_read::GltfFile;
 
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD};
@@ -33,6 +35,15 @@ use crate::tree_options::TreeArgs;
 use crate::{Verdict, output};
 use baseline::Baseline;
 use report::LintReport;
+
+pub use in_memory::{Lint, LintPage};
+
+/// The default number of random mixtures.
+const MIXTURES: usize = 100;
+/// The default random seed.
+const SEED: u64 = 1;
+/// The default for the parts of the box of all weights that a proof looks at.
+const EFFORT: u32 = 1;
 
 const EXAMPLES: &str = "Examples:
   Which sliders make a face run into itself, alone or two at a time, and how far can they go?
@@ -53,7 +64,7 @@ const EXAMPLES: &str = "Examples:
 /// of an overlap.
 ///
 /// The exit code is 1 if there are findings that the baseline does not have. All shapes that are tried are exact, but others may clip, too.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct LintArgs {
     /// A .glb or .gltf file; - reads a .glb from standard input.
@@ -70,10 +81,10 @@ pub(crate) struct LintArgs {
     #[arg(long, value_name = "WEIGHTS.csv")]
     capture: Vec<PathBuf>,
     /// Number of random mixtures.
-    #[arg(long, value_name = "N", default_value_t = 100)]
+    #[arg(long, value_name = "N", default_value_t = MIXTURES)]
     mixtures: usize,
     /// Random seed; the same seed gives the same mixtures.
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = SEED)]
     seed: u64,
     /// Play only this animation: its name or its index. Can be repeated; by default, all animations are played.
     #[arg(long, value_name = "NAME")]
@@ -93,7 +104,7 @@ pub(crate) struct LintArgs {
     #[arg(long)]
     prove: bool,
     /// How many parts of the box of all weights the proof looks at for each pair of triangles; more parts find more weights that clip.
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "prove")]
+    #[arg(long, value_name = "N", default_value_t = EFFORT, requires = "prove")]
     effort: u32,
     /// Write a page with a table and a picture of each finding.
     #[arg(long, value_name = "OUT.html")]
@@ -150,14 +161,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
         let reason = "only the model can be read from standard input".to_owned();
         return Err(CliError::Flag { flag, reason });
     }
-    let meshes = input::meshes(args, &file)?;
-    let mut report = LintReport {
-        model: args.model.clone(),
-        meshes: Vec::with_capacity(meshes.len()),
-    };
-    for (index, mesh) in meshes {
-        report.meshes.push(work::lint_mesh(args, &file, index, mesh)?);
-    }
+    let mut report = report_of(args, &file)?;
     if let Some(baseline) = &baseline {
         for mesh in &mut report.meshes {
             for finding in &mut mesh.findings {
@@ -182,4 +186,17 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
         _ if is_recorded => Verdict::Clean,
         _ => Verdict::FoundWrong,
     })
+}
+
+/// Tries all shapes of the meshes of an open file.
+fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
+    let meshes = input::meshes(args, file)?;
+    let mut report = LintReport {
+        model: args.model.clone(),
+        meshes: Vec::with_capacity(meshes.len()),
+    };
+    for (index, mesh) in meshes {
+        report.meshes.push(work::lint_mesh(args, file, index, mesh)?);
+    }
+    Ok(report)
 }

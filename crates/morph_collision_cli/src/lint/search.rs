@@ -93,7 +93,8 @@ impl Searcher {
     }
 }
 
-/// Does `work` for every index below `count`, on one thread for each of `states`, and passes the results to `sink` in order.
+/// Does `work` for every index below `count`, on one thread for each of `states`, and passes the results to `sink` in order. For one state, this
+/// thread does it: a web page has no others.
 pub(super) fn in_order<S: Send, R: Send, E>(
     states: &mut [S],
     count: usize,
@@ -116,14 +117,17 @@ pub(super) fn in_order<S: Send, R: Send, E>(
                 done.push((index, work(state, index)));
             }
         };
-        let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
-            let threads: Vec<_> = states.iter_mut().map(|state| scope.spawn(|| run(state))).collect();
-            let joined = threads.into_iter().flat_map(|thread| match thread.join() {
-                Ok(done) => done,
-                Err(panic) => std::panic::resume_unwind(panic),
-            });
-            joined.collect()
-        });
+        let mut results: Vec<(usize, R)> = match states {
+            [state] => run(state),
+            _ => std::thread::scope(|scope| {
+                let threads: Vec<_> = states.iter_mut().map(|state| scope.spawn(|| run(state))).collect();
+                let joined = threads.into_iter().flat_map(|thread| match thread.join() {
+                    Ok(done) => done,
+                    Err(panic) => std::panic::resume_unwind(panic),
+                });
+                joined.collect()
+            }),
+        };
         results.sort_unstable_by_key(|(index, _)| *index);
         for (index, result) in results {
             sink(index, result)?;

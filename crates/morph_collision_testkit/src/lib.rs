@@ -51,6 +51,7 @@ pub mod fuzzing;
 pub mod gltf_read;
 pub mod gltf_write;
 pub mod inspect;
+pub mod joined;
 pub mod memory;
 pub mod mesh;
 pub mod models;

@@ -1,17 +1,36 @@
 //! The meshes of a model to try, and what is said if one does not allow a shape.
 
+use std::path::Path;
+
 use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::joined::JoinError;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
 use super::poses::Tried;
 use crate::error::CliError;
-use crate::model_file::{read_clips, read_mesh};
+use crate::model_file::{count_memory, read_clips, read_mesh};
 use crate::output;
 
-/// The meshes to try, with their indices. Without `--mesh`, meshes that cannot collide are left out with a warning.
-pub(super) fn meshes(args: &LintArgs, file: &GltfFile) -> Result<Vec<(usize, MorphMesh)>, CliError> {
+/// A mesh to try.
+#[derive(Debug)]
+pub(super) struct Subject {
+    /// Its index in the file.
+    pub(super) index: usize,
+    /// With the garment behind it, if there is one.
+    pub(super) mesh: MorphMesh,
+    /// The names of its primitives' materials.
+    pub(super) materials: Vec<Option<String>>,
+    /// The number of its own targets.
+    pub(super) own_targets: usize,
+    /// The first triangle of the garment.
+    pub(super) garment_from: Option<u32>,
+}
+
+/// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
+pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>, CliError> {
     let indices = match &args.mesh {
         Some(choice) => {
             let found = choice.find(file);
@@ -19,27 +38,102 @@ pub(super) fn meshes(args: &LintArgs, file: &GltfFile) -> Result<Vec<(usize, Mor
         }
         None => (0..file.mesh_count()).collect(),
     };
-    let mut meshes = Vec::new();
+    let garment = args.garment.as_ref();
+    let garment = garment.map(|path| Garment::read(args, path, file)).transpose()?;
+    let mut subjects = Vec::new();
     for index in indices {
-        let mut mesh = match read_mesh(file, index) {
-            Ok(mesh) => mesh,
+        let is_garment = garment
+            .as_ref()
+            .is_some_and(|garment| garment.is_in_model && garment.index == index);
+        if is_garment && args.mesh.is_none() {
+            continue;
+        }
+        match subject(file, index, garment.as_ref()) {
+            Ok(subject) => subjects.push(subject),
             Err(error) if args.mesh.is_some() => return Err(error),
-            Err(error) => {
-                output::complain(format_args!("warning: left out: {error}"));
-                continue;
-            }
-        };
-        mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
-        read_clips(file, index, &mut mesh)?;
-        meshes.push((index, mesh));
+            Err(error) => output::complain(format_args!("warning: left out: {error}")),
+        }
     }
-    if meshes.is_empty() {
+    if subjects.is_empty() {
+        let reason = match garment {
+            Some(_) => "it has no mesh that can wear the garment",
+            None => "it has no mesh that can collide",
+        };
         return Err(CliError::NoUsableMesh {
             file: args.model.clone(),
-            reason: "it has no mesh that can collide".to_owned(),
+            reason: reason.to_owned(),
         });
     }
-    Ok(meshes)
+    Ok(subjects)
+}
+
+fn subject(file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<Subject, CliError> {
+    let mut mesh = read_mesh(file, index)?;
+    mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
+    read_clips(file, index, &mut mesh)?;
+    let mut subject = Subject {
+        index,
+        own_targets: mesh.targets.len(),
+        materials: file.material_names(index),
+        garment_from: None,
+        mesh,
+    };
+    if let Some(garment) = garment {
+        let copies = subject.mesh.tree_bytes() + garment.mesh.tree_bytes();
+        count_memory(file, index, copies, || "it and the garment as one".to_owned())?;
+        subject.garment_from = Some(subject.mesh.triangles.len() as u32);
+        let joined = subject.mesh.joined(&garment.mesh);
+        let told = |reason: JoinError| CliError::Flag {
+            flag: "--garment",
+            reason: Printable(&reason.to_string()).to_string(),
+        };
+        subject.mesh = joined.map_err(told)?;
+        // One name for each of its own primitives, so that the garment's follow.
+        let own = subject.mesh.primitives.len() - garment.mesh.primitives.len();
+        subject.materials.resize(own, None);
+        subject.materials.extend(garment.materials.iter().cloned().map(Some));
+    }
+    Ok(subject)
+}
+
+/// The mesh of `--garment`.
+struct Garment {
+    index: usize,
+    mesh: MorphMesh,
+    /// The name of the mesh and of the material of each primitive.
+    materials: Vec<String>,
+    /// Whether its file is the model.
+    is_in_model: bool,
+}
+
+impl Garment {
+    fn read(args: &LintArgs, path: &Path, model: &GltfFile) -> Result<Self, CliError> {
+        let file = args.files.open_within(path, model.budget())?;
+        let choice = args.garment_mesh.clone().unwrap_or_default();
+        let found = choice.find(&file);
+        let index = found.map_err(|reason| CliError::Flag {
+            flag: "--garment-mesh",
+            reason,
+        })?;
+        let mut mesh = read_mesh(&file, index)?;
+        mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
+        let materials = file.material_names(index);
+        let material = |primitive: usize| match materials.get(primitive) {
+            Some(Some(material)) => format!("{} {material}", mesh.name),
+            _ => mesh.name.clone(),
+        };
+        let materials = (0..mesh.primitives.len()).map(material).collect();
+        let same = |one: &Path, other: &Path| match (one.canonicalize(), other.canonicalize()) {
+            (Ok(one), Ok(other)) => one == other,
+            _ => one == other,
+        };
+        Ok(Self {
+            index,
+            mesh,
+            materials,
+            is_in_model: same(path, &args.model),
+        })
+    }
 }
 
 /// A shape in a message.

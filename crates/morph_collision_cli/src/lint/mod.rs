@@ -48,6 +48,8 @@ const EFFORT: u32 = 1;
 const EXAMPLES: &str = "Examples:
   Which sliders make a face run into itself, alone or two at a time, and how far can they go?
     morph-collide lint face.glb --pairs --suggest
+  Does a shirt clip through the body in any clip?
+    morph-collide lint body.glb --garment shirt.glb
   A check for a build pipeline that accepts what is known:
     morph-collide lint face.glb --capture take1.csv --write-baseline known.json
     morph-collide lint face.glb --capture take1.csv --baseline known.json";
@@ -98,6 +100,15 @@ pub(crate) struct LintArgs {
     /// that nothing new touches at the weight that is printed.
     #[arg(long)]
     suggest: bool,
+    /// Compare each mesh with a garment instead of with itself: a mesh of this file, or of the same one.
+    ///
+    /// Both must be in the same space. Targets with the same name get the same weights, so a clip or a capture moves both. If joints move the
+    /// mesh, they must move the garment, too, under the same names. Triangles of the garment are numbered after the mesh's.
+    #[arg(long, value_name = "MODEL2")]
+    garment: Option<PathBuf>,
+    /// The mesh of --garment: its index in the file, or its name; 0 by default.
+    #[arg(long, value_name = "MESH", requires = "garment")]
+    garment_mesh: Option<MeshChoice>,
     /// Also prove which pairs of triangles touch for no weights from 0 to 1, and report the weights that the proof comes across otherwise.
     ///
     /// Skinned meshes have no proof.
@@ -135,7 +146,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
         .transpose()?;
     let file = args.files.open(&args.model)?;
     let mut inputs: Vec<PathBuf> = file.files();
-    inputs.extend(args.capture.iter().cloned());
+    inputs.extend(args.capture.iter().chain(&args.garment).cloned());
     let written = args.write_baseline.as_ref();
     let written = written
         .map(|path| OutputFile::create("--write-baseline", path, &inputs))
@@ -151,13 +162,11 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
         let reason = "is the same file as --write-baseline; choose another name".to_owned();
         return Err(CliError::Flag { flag: "--html", reason });
     }
-    let is_stdin = |path: &&PathBuf| path.as_os_str() == STANDARD;
-    if let Some(path) = args.capture.iter().chain(&args.baseline).find(is_stdin) {
-        let flag = if args.baseline.as_ref() == Some(path) {
-            "--baseline"
-        } else {
-            "--capture"
-        };
+    let is_stdin = |path: &PathBuf| path.as_os_str() == STANDARD;
+    let others = args.capture.iter().map(|path| ("--capture", path));
+    let others = others.chain(args.baseline.iter().map(|path| ("--baseline", path)));
+    let mut others = others.chain(args.garment.iter().map(|path| ("--garment", path)));
+    if let Some((flag, _)) = others.find(|(_, path)| is_stdin(path)) {
         let reason = "only the model can be read from standard input".to_owned();
         return Err(CliError::Flag { flag, reason });
     }
@@ -190,13 +199,13 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
 
 /// Tries all shapes of the meshes of an open file.
 fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
-    let meshes = input::meshes(args, file)?;
+    let subjects = input::subjects(args, file)?;
     let mut report = LintReport {
         model: args.model.clone(),
-        meshes: Vec::with_capacity(meshes.len()),
+        meshes: Vec::with_capacity(subjects.len()),
     };
-    for (index, mesh) in meshes {
-        report.meshes.push(work::lint_mesh(args, file, index, mesh)?);
+    for subject in &subjects {
+        report.meshes.push(work::lint_mesh(args, file, subject)?);
     }
     Ok(report)
 }

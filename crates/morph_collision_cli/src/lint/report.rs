@@ -8,6 +8,7 @@ use morph_collision_testkit::weight_list::WeightList;
 use serde::Serialize;
 
 use super::findings::Finding;
+use super::input::Subject;
 use super::parts::Parts;
 use super::poses::Source;
 use super::proof::ProofReport;
@@ -72,7 +73,7 @@ pub(super) struct FindingReport {
     joints: Vec<String>,
     /// Weights that differ from those at rest.
     weights: WeightList,
-    /// Options of `query` and `export` that give the worst shape.
+    /// Options of `query` and `export` that give the worst shape, without the garment.
     pub(super) reproduce: String,
     /// The triangles that touch in any of the shapes, ascending.
     pub(super) triangles: Vec<u32>,
@@ -84,7 +85,8 @@ pub(super) struct FindingReport {
 }
 
 impl FindingReport {
-    pub(super) fn new(finding: &Finding, mesh: &MorphMesh, index: usize, parts: &Parts) -> Self {
+    pub(super) fn new(finding: &Finding, subject: &Subject, parts: &Parts) -> Self {
+        let Subject { mesh, index, .. } = subject;
         let blame = Blame::new(mesh);
         let ones = vec![1.0; mesh.targets.len()];
         let (targets, joints) = blame.movers_of(&finding.worst.triangles, &finding.weights);
@@ -92,8 +94,10 @@ impl FindingReport {
         let reproduce = match (&finding.source, finding.moment) {
             (Source::Clip(name), Some(seconds)) => format!("--mesh {index} --clip {} --time {seconds}", shell(name)),
             _ => {
+                let own = &mesh.target_names[..subject.own_targets];
                 let list: Vec<String> = weights
                     .iter()
+                    .filter(|(name, _)| subject.garment_from.is_none() || own.contains(name))
                     .map(|(name, weight)| format!("{name}={weight}"))
                     .collect();
                 format!("--mesh {index} --weights {}", shell(&list.join(",")))

@@ -34,13 +34,16 @@ pub(super) struct Found {
 pub(super) struct Searcher {
     pose: Pose,
     query: SelfQuery,
+    /// The first triangle of the garment. Pairs that are not one of its triangles and one of the mesh's are left out.
+    garment_from: Option<u32>,
 }
 
 impl Searcher {
-    pub(super) fn new(tree: &Arc<MorphBvh>) -> Self {
+    pub(super) fn new(tree: &Arc<MorphBvh>, garment_from: Option<u32>) -> Self {
         Self {
             pose: Pose::new(Arc::clone(tree)),
             query: SelfQuery::new(),
+            garment_from,
         }
     }
 
@@ -53,8 +56,10 @@ impl Searcher {
     ) -> Result<(Vec<TrianglePair>, bool), PoseError> {
         self.set(shape.joints.as_deref(), &shape.weights)?;
         let (mut pairs, mut is_truncated) = (Vec::new(), false);
+        let from = self.garment_from;
         self.query.visit(&mut self.pose, |pair| {
-            if known.iter().any(|known| known.contains(&pair)) {
+            let is_of_one = from.is_some_and(|from| (pair.triangle_a < from) == (pair.triangle_b < from));
+            if is_of_one || known.iter().any(|known| known.contains(&pair)) {
                 return ControlFlow::Continue(());
             }
             if pairs.len() == most {

@@ -14,7 +14,7 @@ use morph_collision_testkit::rivals::PoseError;
 use super::LintArgs;
 use super::capture::Capture;
 use super::findings::{Finding, Findings};
-use super::input::{refused, shape_words};
+use super::input::{Subject, refused, shape_words};
 use super::parts::Parts;
 use super::picture;
 use super::poses::{Source, Stage, Tried, clip_stages};
@@ -34,12 +34,8 @@ const BYTES_PER_KNOWN_PAIR: u64 = 32;
 const MOST_PICTURES: usize = 60;
 
 /// Tries all shapes of a mesh.
-pub(super) fn lint_mesh(
-    args: &LintArgs,
-    file: &GltfFile,
-    index: usize,
-    mesh: MorphMesh,
-) -> Result<MeshReport, CliError> {
+pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> Result<MeshReport, CliError> {
+    let (index, mesh) = (subject.index, &subject.mesh);
     let threads = args.threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
         NonZeroUsize::get,
@@ -64,8 +60,11 @@ pub(super) fn lint_mesh(
         args,
         file,
         index,
-        mesh: &mesh,
-        searchers: (0..threads).map(|_| Searcher::new(&tree)).collect(),
+        subject,
+        mesh,
+        searchers: (0..threads)
+            .map(|_| Searcher::new(&tree, subject.garment_from))
+            .collect(),
         at_rest: Known::default(),
         alone: Vec::new(),
         findings: Findings::default(),
@@ -73,7 +72,7 @@ pub(super) fn lint_mesh(
     };
     lint.look_at_rest()?;
     lint.try_targets()?;
-    for stage in clip_stages(file, &mesh, &args.clip, args.fps.unwrap_or(30.0))? {
+    for stage in clip_stages(file, mesh, &args.clip, args.fps.unwrap_or(30.0))? {
         lint.try_stage(&stage)?;
     }
     for path in &args.capture {
@@ -99,6 +98,7 @@ struct Lint<'a> {
     args: &'a LintArgs,
     file: &'a GltfFile,
     index: usize,
+    subject: &'a Subject,
     mesh: &'a MorphMesh,
     searchers: Vec<Searcher>,
     at_rest: Known,
@@ -259,7 +259,7 @@ impl Lint<'_> {
     fn finish(mut self, tree: &MorphBvh, proof: Option<ProofReport>) -> Result<MeshReport, CliError> {
         let (mesh, model) = (self.mesh, tree.model());
         let findings = std::mem::take(&mut self.findings).finish();
-        let parts = Parts::new(model, &mesh.primitives, self.file.material_names(self.index));
+        let parts = Parts::new(model, &mesh.primitives, self.subject.materials.clone());
         let mut suggestions: Vec<Suggestion> = Vec::new();
         if self.args.suggest {
             let mut searched: Vec<&Source> = Vec::new();
@@ -277,7 +277,7 @@ impl Lint<'_> {
         }
         let mut reports: Vec<FindingReport> = findings
             .iter()
-            .map(|finding| FindingReport::new(finding, mesh, self.index, &parts))
+            .map(|finding| FindingReport::new(finding, self.subject, &parts))
             .collect();
         if self.args.html.is_some() {
             for (report, finding) in reports.iter_mut().zip(&findings).take(MOST_PICTURES) {

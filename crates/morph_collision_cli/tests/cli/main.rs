@@ -8,6 +8,7 @@ mod export;
 mod guides;
 mod inspect;
 mod lint;
+mod lint_garment;
 mod motion;
 mod outputs;
 mod picture;

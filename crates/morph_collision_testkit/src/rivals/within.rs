@@ -339,10 +339,14 @@ impl Refitted {
                     self.leaves(a, b, pairs);
                     continue;
                 }
+                (Child::Group(group), of_b)
+                    if matches!(of_b, Child::Leaf(_)) || size(self.box_of(a)) >= size(self.box_of(b)) =>
+                {
+                    (group, b)
+                }
+                (_, Child::Group(group)) => (group, a),
+                // Not reached: the first arm takes a group and a leaf.
                 (Child::Group(group), Child::Leaf(_)) => (group, b),
-                (Child::Leaf(_), Child::Group(group)) => (group, a),
-                (Child::Group(group), Child::Group(_)) if size(self.box_of(a)) >= size(self.box_of(b)) => (group, b),
-                (Child::Group(_), Child::Group(group)) => (group, a),
             };
             let mask = self.overlapping(group, 0, &self.box_of(other));
             stack.extend(lanes(group, mask).map(|child| (child, other)));

@@ -55,6 +55,7 @@
 
 mod bounds;
 mod exact;
+mod hash;
 mod input_error;
 mod joints;
 mod model;

@@ -13,6 +13,7 @@ use bevy::tasks::ComputeTaskPool;
 use morph_collision::{Body, JointMatrices, MorphBvh, Pose, SelfQuery, TrianglePair, WorldFromModel};
 use tracing::debug_span;
 
+use super::proofs::Proofs;
 use super::regions::{Changes, middle, replace};
 use super::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
 use crate::broad_phase::Candidates;
@@ -194,12 +195,15 @@ pub(crate) fn find_self_collisions(
     settings: Res<MorphCollisionSettings>,
     candidates: Res<Candidates>,
     mut rests: Local<RestPairs>,
+    mut proofs: Local<Proofs>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     if colliders.is_empty() {
         rests.0.clear();
+        *proofs = Proofs::default();
         return;
     }
+    proofs.follow();
     let start = Instant::now();
     let _span = debug_span!("morph_collision::self_collisions").entered();
     let limit = settings.list_limit();
@@ -231,6 +235,9 @@ pub(crate) fn find_self_collisions(
             }
         }
         state.asked = Some(Asked::new(pose, include_rest, limit));
+        if list.prove {
+            proofs.want(pose.bvh());
+        }
         let rest = if include_rest { [].into() } else { rests.of(pose.bvh()) };
         jobs.push(Job {
             state,

@@ -1,6 +1,7 @@
 //! Where a collider's own mesh intersects itself.
 
 mod find;
+mod proofs;
 mod regions;
 
 use bevy::prelude::*;
@@ -18,7 +19,7 @@ use crate::contacts::no_triangles;
 /// meshes of a character are different colliders: this does not compare a body with its clothes.
 ///
 /// Costs one query over the tree of the mesh whenever its weights or joints change: for a head of 9534 triangles with 52 targets
-/// that talks, ten million instructions. The joints of a character that walks change in every frame. The first query of a mesh also
+/// that talks, ten million instructions, or about six with [`prove`](Self::prove). The joints of a character that walks change in every frame. The first query of a mesh also
 /// finds what intersects at rest.
 ///
 /// ```
@@ -42,6 +43,13 @@ pub struct MorphSelfCollisions {
     /// Whether to report also pairs of triangles that intersect at rest, with all weights 0 and joints as they were bound. By
     /// default they are left out: eyes lie in their sockets, and hair reaches into the scalp.
     pub include_rest: bool,
+    /// Whether to prove in the background which triangles touch for no weights from 0 to 1, and to leave them out from then on, while all
+    /// weights are in that range. Reports stay the same.
+    ///
+    /// A talking head then takes half the time per run, a body whose face talks an eighth. The proof takes a thread several seconds,
+    /// once for each mesh, and about 56 bytes for each node of the tree and target that moves it while it runs. It does nothing for skinned
+    /// meshes, and where the game has only one thread, as on the web.
+    pub prove: bool,
     regions: Vec<MorphSelfContact>,
     is_truncated: bool,
 }
@@ -51,6 +59,13 @@ impl MorphSelfCollisions {
     #[must_use]
     pub fn with_rest(mut self, include_rest: bool) -> Self {
         self.include_rest = include_rest;
+        self
+    }
+
+    /// Sets whether to prove what cannot touch.
+    #[must_use]
+    pub fn with_proof(mut self, prove: bool) -> Self {
+        self.prove = prove;
         self
     }
 

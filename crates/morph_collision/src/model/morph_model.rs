@@ -6,6 +6,7 @@ use glam::{Vec3, Vec3A};
 use super::skin::{self, Influence, Influences, Skin};
 use super::weld::weld;
 use super::{Displacement, ModelError, Weights, check};
+use crate::hash::{START, hash};
 
 /// The largest coordinate allowed in a mesh. It leaves room for sums in `f32`, whose range ends near 3.4e38 (docs/numerics.md).
 pub(crate) const LARGEST: f32 = 1e37;
@@ -213,9 +214,7 @@ impl MorphModel {
         let targets = std::iter::once(self.target_reach.len() as u32);
         let skin = self.skin.iter().flat_map(Skin::words);
         let all = positions.chain(displacements).chain(numbers).chain(targets).chain(skin);
-        all.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
-            (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3)
-        })
+        hash(START, all.map(u64::from))
     }
 
     /// Bytes on the heap.

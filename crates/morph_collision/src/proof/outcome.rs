@@ -57,6 +57,10 @@ pub struct ProofOutcome {
     pub(super) open: OpenPairs,
     /// The parts of the proof that were run.
     pub(super) parts: Vec<usize>,
+    /// The key of the proof. `None` if nothing was run.
+    pub(super) proof: Option<u64>,
+    /// Whether parts of different proofs were joined.
+    pub(super) is_mixed: bool,
 }
 
 impl ProofOutcome {
@@ -92,5 +96,7 @@ impl ProofOutcome {
         self.open.patches.append(&mut other.open.patches);
         self.open.areas.append(&mut other.open.areas);
         self.parts.append(&mut other.parts);
+        self.is_mixed |= other.is_mixed || self.proof.is_some() && other.proof.is_some() && self.proof != other.proof;
+        self.proof = self.proof.or(other.proof);
     }
 }

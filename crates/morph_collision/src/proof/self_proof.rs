@@ -6,6 +6,7 @@ use super::outcome::{Effort, ProofOutcome, Witness};
 use super::pair::{Pair, TriangleMotion};
 use crate::InputError;
 use crate::bounds::LANES;
+use crate::hash::hash;
 use crate::model::WeightBox;
 use crate::query::TrianglePair;
 use crate::tree::{Area, ChildKind, Leaf, MorphBvh, OpenPairs, PatchPair, SelfCertificates};
@@ -13,16 +14,17 @@ use crate::tree::{Area, ChildKind, Leaf, MorphBvh, OpenPairs, PatchPair, SelfCer
 /// A proof has at least this many parts, if the mesh is large enough.
 const PARTS: usize = 256;
 
-/// A part remembers at most this many pairs of patches that are open, which takes 0.8 MB. If there are more, all of the part counts as open.
-const MAX_OPEN: usize = 1 << 15;
+/// All parts together remember at most about this many pairs of patches that are open, which takes 100 MB. If a part has more than its share,
+/// all of it counts as open.
+const MAX_OPEN: usize = 1 << 22;
 
 /// Proves which triangles of a mesh touch for no weights in a box. Skinned meshes have no such proof.
 ///
 /// The proof is about the posed vertices that every query sees, rounding included, so it cannot contradict a
 /// [`SelfQuery`](crate::SelfQuery). Triangles that share a vertex are left out, as there.
 ///
-/// Creating it takes memory for a box per node and target that moves it, about 56 bytes each. Its parts are independent, so they can run on
-/// several threads.
+/// Creating it takes memory for a box per node and target that moves it, about 56 bytes each, and an outcome lists what is not proved free, in up
+/// to 100 MB. Parts are independent, so they can run on several threads.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -50,6 +52,10 @@ pub struct SelfProof {
     effort: Effort,
     nodes: NodeMotions,
     parts: Vec<[Node; 2]>,
+    /// How many pairs of patches that are open a part remembers.
+    most_open: usize,
+    /// The same for all proofs about the same tree and box.
+    key: u64,
 }
 
 impl SelfProof {
@@ -80,8 +86,11 @@ impl SelfProof {
             weights: weights.clone(),
             effort,
             parts: Vec::new(),
+            most_open: 0,
+            key: key(bvh, weights),
         };
         proof.parts = proof.cut();
+        proof.most_open = MAX_OPEN / proof.parts.len().max(1);
         Ok(proof)
     }
 
@@ -97,6 +106,7 @@ impl SelfProof {
         let mut outcome = ProofOutcome::default();
         if let Some(&pair) = self.parts.get(part) {
             outcome.parts.push(part);
+            outcome.proof = Some(self.key);
             let most = self.effort.steps / self.parts.len() as u64;
             let walk = Walk {
                 proof: self,
@@ -109,8 +119,8 @@ impl SelfProof {
                 start: Vec::new(),
                 masks: Vec::new(),
             };
-            walk.run(pair);
-            if outcome.open.patches.len() >= MAX_OPEN {
+            let is_spent = walk.run(pair);
+            if is_spent || outcome.open.patches.len() >= self.most_open {
                 outcome.open = OpenPairs {
                     patches: Vec::new(),
                     areas: vec![self.area(pair)],
@@ -132,23 +142,46 @@ impl SelfProof {
 
     /// What queries may leave out while the weights are in the box of this proof. `outcome` is that of all parts.
     ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use morph_collision::proof::{Effort, SelfProof, WeightBox};
+    /// # use morph_collision::{BuildOptions, MorphBvh, MorphModel, Pose, SelfQuery};
+    /// # use glam::Vec3;
+    /// # let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z + Vec3::Y];
+    /// # let lower = [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Z, Vec3::NEG_Z, Vec3::NEG_Z];
+    /// # let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[lower])?;
+    /// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+    /// // Once per mesh; `bvh.layout()` stores them.
+    /// let proof = SelfProof::new(&bvh, &WeightBox::new(&[0.0], &[0.9])?, Effort::default())?;
+    /// bvh.set_certificates(proof.certificates(&proof.run())?)?;
+    /// // All triangles are proved apart, so there is nothing to do.
+    /// let mut pose = Pose::new(bvh);
+    /// let mut query = SelfQuery::new();
+    /// pose.set_weights(&[0.8])?;
+    /// assert!(!query.any(&mut pose));
+    /// assert_eq!(query.stats().nodes_blended, 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
-    /// A part is missing, or was joined twice.
+    /// A part is missing or was joined twice, or the outcome is of another tree or box.
     pub fn certificates(&self, outcome: &ProofOutcome) -> Result<SelfCertificates, InputError> {
+        if outcome.is_mixed || outcome.proof.is_some_and(|proof| proof != self.key) {
+            return Err(InputError::DifferentTrees {
+                what: "a proof and all parts of its outcome".to_owned(),
+            });
+        }
         let mut parts = outcome.parts.clone();
         parts.sort_unstable();
-        if !parts.iter().copied().eq(0..self.parts()) {
+        parts.dedup();
+        if parts.len() != self.parts() || parts.len() != outcome.parts.len() {
             return Err(InputError::WrongCount {
-                what: "parts of the proof, each once,".to_owned(),
-                given: parts.len(),
+                what: format!("parts of the proof ({} different ones)", parts.len()),
+                given: outcome.parts.len(),
                 expected: self.parts(),
             });
         }
-        Ok(SelfCertificates::new(
-            &self.bvh,
-            self.weights.clone(),
-            outcome.open.clone(),
-        ))
+        Ok(SelfCertificates::new(&self.bvh, self.weights.clone(), &outcome.open))
     }
 
     /// The leaves below two nodes.
@@ -219,6 +252,17 @@ impl SelfProof {
     }
 }
 
+/// A hash of the mesh, the order of its triangles in the tree, and the box.
+fn key(bvh: &MorphBvh, weights: &WeightBox) -> u64 {
+    let topology = &bvh.topology;
+    let triangles = (0..topology.triangle_count()).map(|place| u64::from(topology.triangle(place)));
+    let leaves = (0..topology.leaf_count()).map(|leaf| topology.leaf_range(Leaf(leaf)).end as u64);
+    let intervals = (0..weights.len()).filter_map(|target| weights.interval(target));
+    let ends = intervals.flatten().map(|end| u64::from(end.to_bits()));
+    let all = triangles.chain(leaves).chain(ends);
+    hash(bvh.model().fingerprint(), all)
+}
+
 /// The run of one part.
 struct Walk<'a> {
     proof: &'a SelfProof,
@@ -235,14 +279,15 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn run(mut self, pair: [Node; 2]) {
+    /// Returns whether the steps were used up.
+    fn run(mut self, pair: [Node; 2]) -> bool {
         let proof = self.proof;
-        let mut stack = vec![pair];
+        let (mut stack, mut is_spent) = (vec![pair], false);
         while let Some([a, b]) = stack.pop() {
             let [of_a, of_b] = [a, b].map(|node| proof.nodes.get(node).triangles);
             if self.outcome.node_tests + self.outcome.box_tests >= self.most {
                 self.outcome.undecided += if a == b { of_a * (of_a - 1) / 2 } else { of_a * of_b };
-                self.outcome.open.areas.push(proof.area([a, b]));
+                is_spent = true;
                 continue;
             }
             if a != b {
@@ -259,6 +304,7 @@ impl Walk<'_> {
             }
         }
         self.outcome.box_tests += self.split_tests;
+        is_spent
     }
 
     fn leaves(&mut self, a: Leaf, b: Leaf) {
@@ -284,7 +330,7 @@ impl Walk<'_> {
         }
         let open = &mut self.outcome.open.patches;
         let masks = self.masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
-        let masks = masks.take(MAX_OPEN - open.len().min(MAX_OPEN));
+        let masks = masks.take(proof.most_open.saturating_sub(open.len()));
         open.extend(masks.map(|(place, &unrelated)| PatchPair {
             leaves: [a.0 as u32, b.0 as u32],
             patches: [(place / patches) as u8, (place % patches) as u8],
@@ -341,5 +387,51 @@ impl Walk<'_> {
             }
         }
         is_free
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use morph_collision_testkit::models::random::random_blob;
+
+    use super::*;
+    use crate::model::MorphModel;
+    use crate::pose::Pose;
+    use crate::query::SelfQuery;
+    use crate::tree::BuildOptions;
+
+    #[test]
+    fn a_part_with_too_much_that_is_open_counts_as_open() {
+        let blob = random_blob(7, 3, 3, 0.9);
+        let model = MorphModel::from_displacements(&blob.positions, &blob.triangles, &blob.targets).unwrap();
+        let model = Arc::new(model);
+        let mut answers = Vec::new();
+        for most_open in [usize::MAX, 4, 0] {
+            let bvh = Arc::new(MorphBvh::build(model.clone(), &BuildOptions::default()));
+            let mut proof = SelfProof::new(&bvh, &WeightBox::unit(3), Effort::default()).unwrap();
+            proof.most_open = most_open;
+            let outcome = proof.run();
+            let has_areas = !outcome.open.areas.is_empty();
+            assert_eq!(has_areas, most_open < usize::MAX);
+            bvh.set_certificates(proof.certificates(&outcome).unwrap()).unwrap();
+            let (mut pose, mut query, mut pairs) = (Pose::new(bvh), SelfQuery::new(), Vec::new());
+            let mut work = Vec::new();
+            for weights in [[0.1, 0.9, 0.5], [1.0, 1.0, 1.0], [0.7, 0.0, 0.8]] {
+                pose.set_weights(&weights).unwrap();
+                query.all(&mut pose, &mut pairs);
+                work.push(query.stats().triangle_tests);
+            }
+            answers.push((pairs, work));
+        }
+        let [all, some, none] = &answers[..] else {
+            unreachable!()
+        };
+        assert!(!all.0.is_empty() && all.0 == some.0 && all.0 == none.0);
+        assert!(
+            all.1.iter().zip(&none.1).all(|(few, many)| few < many),
+            "{:?} {:?}",
+            all.1,
+            none.1
+        );
     }
 }

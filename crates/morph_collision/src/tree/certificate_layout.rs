@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use super::adjacency::PatchPair;
+use super::adjacency::{PatchPair, unrelated};
 use super::certificates::SelfCertificates;
 use super::layout::LayoutError;
 use super::self_front::{Apart, Place, SelfFront};
 use super::{Leaf, MorphBvh, Topology};
-use crate::bounds::LANES;
+use crate::bounds::{LANES, lanes_of};
+use crate::hash::{START, hash};
 use crate::model::WeightBox;
 
 /// The part of a [`TreeLayout`](super::TreeLayout) that has the certificates of a tree.
@@ -56,6 +57,9 @@ impl CertificateLayout {
     /// They are corrupt.
     pub(super) fn restore(&self, bvh: &MorphBvh) -> Result<SelfCertificates, LayoutError> {
         let corrupt = |what: &'static str| LayoutError::Certificates { what };
+        if bvh.model().joint_count().is_some() {
+            return Err(corrupt("the mesh has joints"));
+        }
         if self.checksum != self.sum() {
             return Err(corrupt("the checksum is wrong"));
         }
@@ -69,7 +73,7 @@ impl CertificateLayout {
             neighbours: self
                 .neighbours
                 .iter()
-                .map(|&pair| patch_pair(topology, pair))
+                .map(|&pair| patch_pair(bvh, pair))
                 .collect::<Option<_>>()
                 .ok_or(corrupt("a pair of leaves is invalid"))?,
             apart: self
@@ -87,7 +91,7 @@ impl CertificateLayout {
         })
     }
 
-    /// A hash of everything but the checksum (FNV-1a over numbers).
+    /// A hash of everything but the checksum.
     fn sum(&self) -> u64 {
         let weights = self
             .low
@@ -97,7 +101,7 @@ impl CertificateLayout {
         let neighbours = self
             .neighbours
             .iter()
-            .flat_map(|&(a, b, i, j, mask)| [a.into(), b.into(), i.into(), j.into(), mask]);
+            .flat_map(|&(a, b, i, j, mask)| [a.into(), b.into(), i.into(), j.into(), mask >> 32, mask & 0xffff_ffff]);
         let apart = self
             .apart
             .iter()
@@ -114,34 +118,40 @@ impl CertificateLayout {
             .chain(weights)
             .chain(neighbours)
             .chain(apart);
-        all.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
-            (hash ^ word).wrapping_mul(0x0100_0000_01b3)
-        })
+        hash(START, all)
     }
 }
 
-/// `None` if the tree has no such patches.
-fn patch_pair(topology: &Topology, (a, b, i, j, unrelated): (u32, u32, u8, u8, u64)) -> Option<PatchPair> {
-    let has = |leaf: u32, patch: u8| {
-        let leaf = leaf as usize;
-        leaf < topology.leaf_count() && usize::from(patch) < topology.patches(Leaf(leaf)).len()
+/// `None` if the tree has no such patches, or some of these triangles share a vertex.
+fn patch_pair(bvh: &MorphBvh, (a, b, i, j, mask): (u32, u32, u8, u8, u64)) -> Option<PatchPair> {
+    let patch = |leaf: u32, patch: u8| {
+        let leaf = Leaf(leaf as usize);
+        let triangles = (leaf.0 < bvh.topology.leaf_count()).then(|| bvh.topology.leaf_triangles(leaf));
+        triangles?.chunks(LANES).nth(usize::from(patch))
     };
-    // Bits of triangles that a patch does not have are harmless: no lane of a patch is compared beyond its triangles.
-    (a <= b && has(a, i) && has(b, j)).then_some(PatchPair {
+    let (of_a, of_b) = (patch(a, i)?, patch(b, j)?);
+    let allowed = unrelated(bvh.model(), of_a, of_b, (a, i) == (b, j));
+    (a <= b && mask & !allowed == 0).then_some(PatchPair {
         leaves: [a, b],
         patches: [i, j],
-        unrelated,
+        unrelated: mask,
     })
 }
 
-/// `None` if the tree has no such nodes.
+/// `None` if the tree has no such nodes, or one is below the other.
 fn apart(topology: &Topology, (node, lane, group, mask): (u32, u8, u32, u8)) -> Option<Apart> {
-    let lanes = |group: u32| (group as usize) < topology.group_count();
-    let has = lanes(node)
-        && lanes(group)
-        && usize::from(lane) < topology.group(node as usize).children().len().min(LANES)
-        && mask & !topology.group(group as usize).mask() == 0;
-    has.then(|| Apart::new(Place { group: node, lane }, group as usize, mask))?
+    let has = |group: u32| (group as usize) < topology.group_count();
+    if !has(node) || !has(group) || mask & !topology.group(group as usize).mask() != 0 {
+        return None;
+    }
+    let child = |group: u32, lane: usize| topology.group(group as usize).children().get(lane).copied();
+    let [first, last] = topology.leaves_below(child(node, usize::from(lane))?);
+    let are_apart = lanes_of(mask).all(|lane| {
+        let below = child(group, lane).map(|other| topology.leaves_below(other));
+        below.is_some_and(|[from, to]| to.0 < first.0 || last.0 < from.0)
+    });
+    let node = Place { group: node, lane };
+    are_apart.then(|| Apart::new(node, group as usize, mask))?
 }
 
 #[cfg(test)]
@@ -161,15 +171,13 @@ mod tests {
         let proof = SelfProof::new(&bvh, &WeightBox::unit(2), Effort::default()).unwrap();
         let layout = CertificateLayout::new(&proof.certificates(&proof.run()).unwrap());
         assert!(layout.restore(&bvh).is_ok());
-        let breaks: [fn(&mut CertificateLayout); 12] = [
+        let breaks: [fn(&mut CertificateLayout); 14] = [
             |layout| layout.low[0] = f32::NAN,
             |layout| layout.high[1] = -1.0,
             |layout| layout.low.push(0.0),
             |layout| {
-                [&mut layout.low, &mut layout.high]
-                    .map(|ends| ends.push(0.0))
-                    .into_iter()
-                    .collect()
+                layout.low.push(0.0);
+                layout.high.push(0.0);
             },
             |layout| layout.neighbours[0].1 = u32::MAX,
             |layout| layout.neighbours[0].0 = layout.neighbours[0].1 + 1,
@@ -179,6 +187,9 @@ mod tests {
             |layout| layout.apart[0].1 = 8,
             |layout| layout.apart[0].2 = u32::MAX,
             |layout| layout.apart[0].3 = 0,
+            // A node and itself, and a triangle and itself.
+            |layout| (layout.apart[0].2, layout.apart[0].3) = (layout.apart[0].0, 1 << layout.apart[0].1),
+            |layout| layout.neighbours[0] = (0, 0, 0, 0, 1),
         ];
         for (index, damage) in breaks.iter().enumerate() {
             let mut broken = layout.clone();
@@ -187,6 +198,7 @@ mod tests {
             broken.checksum = broken.sum();
             let error = broken.restore(&bvh).err().map(|error| error.to_string());
             let error = error.unwrap_or_else(|| panic!("{index} is accepted"));
+            assert!(!error.contains("checksum"), "{error}");
             assert!(
                 error.starts_with("tree layout: certificates: ") && error.ends_with("invalid") || index < 4,
                 "{error}"

@@ -13,8 +13,9 @@ use crate::model::WeightBox;
 
 /// Which pairs of a mesh's triangles are proved to touch for no weights in a box.
 ///
-/// While the weights are in the box, a [`SelfQuery`](crate::SelfQuery) leaves these pairs out. It finds the same pairs as without, perhaps in
-/// another order. Vertices of which all pairs are proved free are not even computed.
+/// While the weights are in the box, a [`SelfQuery`](crate::SelfQuery) leaves these pairs out. It finds the same pairs in the same order, but
+/// most leaves of the tree are not even blended. With any weight outside the box, also one that overshoots by a rounding, it works as without
+/// certificates, so choose a box with a margin if weights may overshoot.
 ///
 /// Made by [`SelfProof::certificates`](crate::proof::SelfProof::certificates), given to a tree by [`MorphBvh::set_certificates`], and stored
 /// with its [`TreeLayout`](crate::TreeLayout).
@@ -42,11 +43,11 @@ pub(crate) type Area = [Leaves; 2];
 
 impl SelfCertificates {
     /// `open` has all pairs of triangles that share no vertex and are not proved free.
-    pub(crate) fn new(bvh: &MorphBvh, weights: WeightBox, open: OpenPairs) -> Self {
+    pub(crate) fn new(bvh: &MorphBvh, weights: WeightBox, open: &OpenPairs) -> Self {
         Self {
             weights,
             topology: Arc::clone(&bvh.topology),
-            front: front(bvh, &open),
+            front: front(bvh, open),
         }
     }
 
@@ -78,11 +79,11 @@ impl MorphBvh {
     /// which stay.
     ///
     /// # Errors
-    /// They are of another tree.
+    /// They are of another tree. Trees that are built twice from the same mesh are different trees.
     pub fn set_certificates(&self, certificates: SelfCertificates) -> Result<bool, InputError> {
         if !Arc::ptr_eq(&self.topology, &certificates.topology) {
             return Err(InputError::DifferentTrees {
-                what: "certificates and those who use them".to_owned(),
+                what: "a tree and its certificates".to_owned(),
             });
         }
         Ok(self.certificates.set(certificates).is_ok())
@@ -136,13 +137,13 @@ fn leaves_below(topology: &Topology, node: Child) -> Leaves {
 /// Open pairs, found by their leaves.
 struct OpenIndex<'a> {
     /// Ascending by leaves and patches.
-    patches: Vec<PatchPair>,
+    patches: Vec<&'a PatchPair>,
     areas: &'a [Area],
 }
 
 impl<'a> OpenIndex<'a> {
     fn new(open: &'a OpenPairs) -> Self {
-        let mut patches = open.patches.clone();
+        let mut patches: Vec<&PatchPair> = open.patches.iter().collect();
         patches.sort_unstable_by_key(|pair| (pair.leaves, pair.patches));
         Self {
             patches,
@@ -157,7 +158,7 @@ impl<'a> OpenIndex<'a> {
             return u64::MAX;
         }
         let key = |pair: &PatchPair| (pair.leaves, pair.patches);
-        let place = self.patches.binary_search_by_key(&key(pair), key);
+        let place = self.patches.binary_search_by_key(&key(pair), |pair| key(pair));
         place.map_or(0, |place| self.patches[place].unrelated)
     }
 
@@ -190,4 +191,61 @@ impl<'a> OpenIndex<'a> {
 
 fn contains([first, last]: Leaves, leaf: u32) -> bool {
     first <= leaf && leaf <= last
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    #[test]
+    fn the_index_finds_what_is_open() {
+        let mut rng = Pcg64Mcg::seed_from_u64(30);
+        let mut seen = [0; 2];
+        for round in 0..200 {
+            let leaves = 40;
+            let patch_pair = |rng: &mut Pcg64Mcg| {
+                let [a, b] = [(); 2].map(|()| rng.random_range(0..leaves));
+                PatchPair {
+                    leaves: [a.min(b), a.max(b)],
+                    patches: [0, rng.random_range(0..2)],
+                    unrelated: rng.random_range(1..=u64::MAX),
+                }
+            };
+            let mut open = OpenPairs {
+                patches: (0..round % 30).map(|_| patch_pair(&mut rng)).collect(),
+                areas: Vec::new(),
+            };
+            open.patches.sort_unstable_by_key(|pair| (pair.leaves, pair.patches));
+            open.patches.dedup_by_key(|pair| (pair.leaves, pair.patches));
+            if round % 4 == 0 {
+                open.areas.push([[3, 5], [30, 33]]);
+            }
+            let index = OpenIndex::new(&open);
+            let range = |rng: &mut Pcg64Mcg, from: u32, to: u32| {
+                let first = rng.random_range(from..to);
+                [first, rng.random_range(first..to)]
+            };
+            for _ in 0..100 {
+                let cut = rng.random_range(1..leaves);
+                let (a, b) = (range(&mut rng, 0, cut), range(&mut rng, cut, leaves));
+                let is_in = |x: u32, y: u32| contains(a, x) && contains(b, y);
+                let of_patches = open.patches.iter().any(|pair| is_in(pair.leaves[0], pair.leaves[1]));
+                let of_areas = !open.areas.is_empty() && (3..=5).any(|x| (30..=33).any(|y| is_in(x, y)));
+                let expected = of_patches || of_areas;
+                assert_eq!(
+                    [index.has_any(a, b), index.has_any(b, a)],
+                    [expected; 2],
+                    "{a:?} {b:?} {open:?}"
+                );
+                seen[usize::from(expected)] += 1;
+            }
+            for pair in &open.patches {
+                assert!(index.mask(pair) == pair.unrelated || index.mask(pair) == u64::MAX);
+            }
+        }
+        assert!(seen[0] > 1000 && seen[1] > 1000, "{seen:?}");
+    }
 }

@@ -12,7 +12,7 @@ use crate::bounds::LANES;
 use crate::model::MorphModel;
 
 /// The version of [`TreeLayout`] that this crate writes and reads.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The structure of a tree without its boxes: which triangles each node holds, and the build options. Ship it with your game to
 /// skip splitting at load time. The feature `serde` makes it serialisable.
@@ -44,7 +44,7 @@ pub struct TreeLayout {
     nodes: Vec<u32>,
     /// The mesh's triangle numbers in leaf order.
     triangles: Vec<u32>,
-    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "serde", serde(default))]
     certificates: Option<CertificateLayout>,
 }
 
@@ -191,7 +191,8 @@ impl MorphBvh {
 
     /// Restores a tree over the mesh for which it was built.
     ///
-    /// Cost: `O(n)` for `n` triangles. Boxes are measured, but nothing is split.
+    /// Cost: `O(n)` for `n` triangles. Boxes are measured, but nothing is split. If the layout has certificates, the tree has them, too; if
+    /// they are corrupt, the whole layout is refused.
     ///
     /// # Errors
     /// [`LayoutError`] if the layout has another version, belongs to another mesh, or is corrupt.

@@ -47,7 +47,7 @@ impl SelfFront {
         }
     }
 
-    /// Whether no two triangles can touch.
+    /// Whether there is nothing to compare.
     pub(crate) fn is_empty(&self) -> bool {
         self.neighbours.is_empty() && self.apart.is_empty()
     }

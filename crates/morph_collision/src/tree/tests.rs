@@ -106,10 +106,10 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
     bad_options["options"]["leaf_size"] = 0.into();
     assert!(serde_json::from_value::<TreeLayout>(bad_options).is_err());
     let mut newer = json;
-    newer["version"] = 3.into();
+    newer["version"] = 4.into();
     assert_eq!(
         MorphBvh::from_layout(model, &serde_json::from_value(newer).unwrap()).unwrap_err(),
-        LayoutError::Version { found: 3 }
+        LayoutError::Version { found: 4 }
     );
 }
 

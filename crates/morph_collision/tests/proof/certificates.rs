@@ -37,13 +37,12 @@ impl Both {
         }
     }
 
-    /// The pairs for some weights, which must be the same.
+    /// The pairs for some weights, which must be the same, in the same order.
     fn pairs(&mut self, weights: &[f32]) -> Vec<TrianglePair> {
         let [with, without] = [&mut self.with, &mut self.without].map(|pose| {
             pose.set_weights(weights).unwrap();
             let mut pairs = Vec::new();
             self.query.all(pose, &mut pairs);
-            pairs.sort_unstable();
             (pairs, self.query.stats())
         });
         assert_eq!(with.0, without.0, "{weights:?}");
@@ -86,6 +85,11 @@ fn the_same_pairs_are_found_inside_the_box_and_outside() {
                 found += both.pairs(&anywhere).len();
             }
             assert!(found > 0, "seed {seed}");
+            let [with, without] = both.work.map(|work| work.triangle_tests + work.node_tests);
+            assert!(
+                if steps == 0 { with == without } else { with < without },
+                "seed {seed}: {with} {without}"
+            );
         }
     }
 }
@@ -127,6 +131,17 @@ fn certificates_are_of_all_parts_and_of_one_tree() {
     assert_eq!(certificates.weights(), &WeightBox::unit(3));
     outcome.join(proof.run_part(0));
     assert!(proof.certificates(&outcome).is_err(), "a part twice");
+    // Of a smaller box, of another tree, and of parts of both.
+    let narrow = SelfProof::new(&bvh, &WeightBox::new(&[0.0; 3], &[0.1; 3]).unwrap(), thorough(1)).unwrap();
+    let other = SelfProof::new(&tree_of(&random_blob(4, 3, 3, 0.5)), &WeightBox::unit(3), thorough(1)).unwrap();
+    let mut mixed = narrow.run_part(0);
+    (1..proof.parts()).for_each(|part| mixed.join(proof.run_part(part)));
+    for wrong in [narrow.run(), other.run(), mixed] {
+        assert!(matches!(
+            proof.certificates(&wrong),
+            Err(InputError::DifferentTrees { .. })
+        ));
+    }
     assert!(matches!(
         tree_of(&mesh).set_certificates(certificates.clone()),
         Err(InputError::DifferentTrees { .. })
@@ -180,7 +195,7 @@ fn certificates_are_stored_with_the_tree() {
     let (model, weights) = (Arc::new(mesh.to_model().unwrap()), WeightBox::unit(3));
     let bvh = Arc::new(MorphBvh::build(model.clone(), &BuildOptions::default()));
     let plain = serde_json::to_value(bvh.layout()).unwrap();
-    assert!(plain.get("certificates").is_none());
+    assert!(plain["certificates"].is_null());
     let proof = SelfProof::new(&bvh, &weights, thorough(1)).unwrap();
     bvh.set_certificates(proof.certificates(&proof.run()).unwrap()).unwrap();
     let json = serde_json::to_value(bvh.layout()).unwrap();
@@ -189,6 +204,7 @@ fn certificates_are_stored_with_the_tree() {
     let mut rng = Pcg64Mcg::seed_from_u64(29);
     let mut poses = [Pose::new(bvh), Pose::new(Arc::new(restored))];
     let mut query = SelfQuery::new();
+    let mut found = 0;
     for _ in 0..20 {
         let drawn = draw(&weights, &mut rng);
         let [one, other] = poses.each_mut().map(|pose| {
@@ -198,15 +214,19 @@ fn certificates_are_stored_with_the_tree() {
             (pairs, query.stats())
         });
         assert_eq!(one, other);
+        found += one.0.len();
     }
+    assert!(found > 0);
     // Any number that is changed is noticed.
     let mut seen = 0;
     for list in ["low", "high", "neighbours", "apart"] {
         for place in 0..json["certificates"][list].as_array().unwrap().len().min(20) {
             let mut broken = json.clone();
             let number = &mut broken["certificates"][list][place];
-            if number.is_array() {
-                number[seen % 4] = 77.into();
+            if let Some(numbers) = number.as_array_mut() {
+                let entry = seen % numbers.len();
+                let changed = numbers[entry].as_u64().unwrap() ^ 1;
+                numbers[entry] = changed.into();
             } else {
                 *number = 0.125.into();
             }
@@ -216,4 +236,40 @@ fn certificates_are_stored_with_the_tree() {
         }
     }
     assert!(seen > 30, "{seen}");
+    let mut shorter = json.clone();
+    shorter["certificates"]["neighbours"].as_array_mut().unwrap().pop();
+    let mut other = json;
+    other["certificates"]["is_complete"] = false.into();
+    for broken in [shorter, other] {
+        assert!(MorphBvh::from_layout(model.clone(), &serde_json::from_value(broken).unwrap()).is_err());
+    }
+}
+
+#[test]
+fn a_vertex_of_very_many_leaves_is_no_problem() {
+    // A fan around a vertex, and a blade that the target pushes through it.
+    let rim = (0..2000).map(|i| Vec3::new((i as f32 * 0.003).cos(), (i as f32 * 0.003).sin(), 0.0));
+    let mut positions: Vec<Vec3> = std::iter::once(Vec3::ZERO).chain(rim).collect();
+    let mut triangles: Vec<[u32; 3]> = (1..2000).map(|i| [0, i, i + 1]).collect();
+    let first = positions.len() as u32;
+    positions.extend([
+        Vec3::new(0.3, -0.5, 0.5),
+        Vec3::new(0.3, 0.5, 0.5),
+        Vec3::new(0.4, 0.0, 1.0),
+    ]);
+    triangles.push([first, first + 1, first + 2]);
+    let mut mesh = MorphMesh::rigid("fan", positions.clone(), triangles);
+    mesh.targets = vec![
+        positions
+            .iter()
+            .map(|p| if p.z > 0.0 { Vec3::NEG_Z } else { Vec3::ZERO })
+            .collect(),
+    ];
+    mesh.target_names = vec!["down".into()];
+    let mut both = Both::new(&mesh, &BuildOptions::default(), &WeightBox::unit(1), thorough(1));
+    let found: usize = [0.0, 0.4, 0.5, 0.8, 1.0]
+        .iter()
+        .map(|&weight| both.pairs(&[weight]).len())
+        .sum();
+    assert!(found > 100, "{found}");
 }

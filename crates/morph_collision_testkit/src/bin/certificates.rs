@@ -31,6 +31,7 @@ fn run(arguments: &[String]) -> Result<u64, Box<dyn Error>> {
         return Err("usage: certificates COUNT MODEL...".into());
     };
     let count: u64 = count.parse().map_err(|_| "COUNT must be a whole number")?;
+    let mut compared = 0;
     println!(
         "{:36} {:>9} {:>7} {:>11} {:>12} {:>9}",
         "mesh", "triangles", "targets", "expressions", "pairs", "different"
@@ -51,7 +52,11 @@ fn run(arguments: &[String]) -> Result<u64, Box<dyn Error>> {
                 format!("{file}, {index}")
             );
             different += own;
+            compared += count;
         }
+    }
+    if compared == 0 {
+        return Err("nothing was compared: no model has a mesh with targets, or COUNT is 0".into());
     }
     Ok(different)
 }

@@ -8,7 +8,7 @@
 //! | `binary` | the same with a binary tree, split in the middle, ten triangles in a leaf, and one box at a time | the library three-mesh-bvh, as it is used for morphing meshes |
 //! | `brute-force` | blends every vertex, and compares the boxes of all pairs of triangles | |
 //!
-//! All of them decide triangles by [`morph_collision::triangles_intersect`] or with the same answer, and leave out triangles that share a
+//! The last three reject triangles whose boxes do not overlap before anything else. All of them decide triangles by [`morph_collision::triangles_intersect`] or with the same answer, and leave out triangles that share a
 //! vertex.
 
 use std::fmt;
@@ -97,7 +97,6 @@ impl SelfMethodKind {
             )),
             Self::BruteForce => Box::new(AllPairs {
                 body: Posed::new(&welded()?),
-                boxes: Vec::new(),
                 work: QueryStats::default(),
             }),
         })
@@ -155,14 +154,26 @@ impl SelfMethod for Ours {
 struct Posed {
     body: BlendedBody,
     vertices: Vec<Vec3>,
+    /// Of all triangles.
+    boxes: Vec<Box3>,
 }
 
 impl Posed {
     fn new(mesh: &Arc<WeldedMesh>) -> Self {
-        Self {
+        let mut posed = Self {
             vertices: mesh.base.clone(),
             body: BlendedBody::new(Arc::clone(mesh)),
-        }
+            boxes: Vec::new(),
+        };
+        posed.box_triangles();
+        posed
+    }
+
+    fn box_triangles(&mut self) {
+        let triangles = self.body.mesh.triangles.iter();
+        self.boxes.clear();
+        self.boxes
+            .extend(triangles.map(|corners| box_around(corners, &self.vertices)));
     }
 
     /// Returns whether the weights are new.
@@ -170,6 +181,7 @@ impl Posed {
         let is_new = self.body.set(weights, &Affine3A::IDENTITY)?;
         if is_new {
             self.body.blend(&mut self.vertices);
+            self.box_triangles();
             work.vertices_blended += self.vertices.len() as u64;
         }
         Ok(is_new)
@@ -185,7 +197,11 @@ impl Posed {
     }
 
     /// Compares two triangles.
+    #[inline]
     fn test(&self, a: u32, b: u32, work: &mut QueryStats, pairs: &mut Vec<TrianglePair>) {
+        if !self.boxes[a as usize].overlaps(&self.boxes[b as usize]) {
+            return;
+        }
         let (of_a, of_b) = (self.corners(a), self.corners(b));
         if of_a.iter().any(|corner| of_b.contains(corner)) {
             return;
@@ -201,30 +217,19 @@ impl Posed {
 #[derive(Debug)]
 struct AllPairs {
     body: Posed,
-    boxes: Vec<Box3>,
     work: QueryStats,
 }
 
 impl SelfMethod for AllPairs {
     fn find(&mut self, weights: &[f32], pairs: &mut Vec<TrianglePair>) -> Result<(), PoseError> {
         self.body.set(weights, &mut self.work)?;
-        let (body, boxes) = (&self.body, &mut self.boxes);
-        boxes.clear();
-        boxes.extend(
-            body.body
-                .mesh
-                .triangles
-                .iter()
-                .map(|corners| box_around(corners, &body.vertices)),
-        );
-        for (i, one) in boxes.iter().enumerate() {
-            for (j, other) in boxes.iter().enumerate().skip(i + 1) {
-                if one.overlaps(other) {
-                    body.test(i as u32, j as u32, &mut self.work, pairs);
-                }
+        let count = self.body.boxes.len() as u32;
+        for i in 0..count {
+            for j in i + 1..count {
+                self.body.test(i, j, &mut self.work, pairs);
             }
         }
-        self.work.node_tests += (boxes.len() * boxes.len().saturating_sub(1) / 2) as u64;
+        self.work.node_tests += u64::from(count) * u64::from(count.saturating_sub(1)) / 2;
         Ok(())
     }
 
@@ -339,14 +344,9 @@ impl Refitted {
                     self.leaves(a, b, pairs);
                     continue;
                 }
-                (Child::Group(group), of_b)
-                    if matches!(of_b, Child::Leaf(_)) || size(self.box_of(a)) >= size(self.box_of(b)) =>
-                {
-                    (group, b)
-                }
-                (_, Child::Group(group)) => (group, a),
-                // Not reached: the first arm takes a group and a leaf.
-                (Child::Group(group), Child::Leaf(_)) => (group, b),
+                (Child::Group(_), Child::Group(group)) if size(self.box_of(a)) < size(self.box_of(b)) => (group, a),
+                (Child::Group(group), _) => (group, b),
+                (Child::Leaf(_), Child::Group(group)) => (group, a),
             };
             let mask = self.overlapping(group, 0, &self.box_of(other));
             stack.extend(lanes(group, mask).map(|child| (child, other)));

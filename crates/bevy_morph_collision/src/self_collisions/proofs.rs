@@ -1,0 +1,68 @@
+//! Proofs in the background: what can never touch is left out of later runs.
+
+use std::sync::Arc;
+use std::thread;
+
+use bevy::platform::collections::HashMap;
+use bevy::tasks::futures_lite::future::{block_on, poll_once, yield_now};
+use bevy::tasks::{AsyncComputeTaskPool, Task};
+use morph_collision::MorphBvh;
+use morph_collision::proof::{Effort, ProofOutcome, SelfCertificates, SelfProof, WeightBox};
+
+/// How many owners a tree has that only its proof still needs: the entry here, the task and its proof.
+const OWN_COUNT: usize = 3;
+
+/// The proofs that are running, one for each tree.
+#[derive(Default)]
+pub(crate) struct Proofs(HashMap<usize, (Arc<MorphBvh>, Task<Option<SelfCertificates>>)>);
+
+impl Proofs {
+    /// Starts the proof for a tree, unless it is running, done, or impossible.
+    pub(super) fn want(&mut self, tree: &Arc<MorphBvh>) {
+        if tree.certificates().is_some() || tree.model().joint_count().is_some() {
+            return;
+        }
+        // The tree is kept, so no other one gets its address.
+        self.0.entry(Arc::as_ptr(tree).addr()).or_insert_with(|| {
+            let frames_thread = thread::current().id();
+            let (pool, proved) = (AsyncComputeTaskPool::get_or_init(Default::default), tree.clone());
+            let task = pool.spawn(async move {
+                // A part can take a second, which would stop the game.
+                let has_own_thread = thread::current().id() != frames_thread;
+                if has_own_thread { prove(&proved).await } else { None }
+            });
+            (tree.clone(), task)
+        });
+    }
+
+    /// Gives trees the certificates of proofs that are complete, and ends the proofs of trees that nothing else uses.
+    pub(super) fn follow(&mut self) {
+        self.0.retain(|_, (tree, task)| {
+            let Some(proved) = block_on(poll_once(task)) else {
+                return Arc::strong_count(tree) > OWN_COUNT;
+            };
+            match proved {
+                // They are of this tree, and nothing else gives it any.
+                Some(certificates) => tree.set_certificates(certificates).is_err(),
+                // It stays, so that it is not tried again.
+                None => Arc::strong_count(tree) > 1,
+            }
+        });
+    }
+}
+
+/// Proves for all weights from 0 to 1, one part after the other.
+async fn prove(tree: &Arc<MorphBvh>) -> Option<SelfCertificates> {
+    let effort = Effort {
+        boxes_per_pair: 1,
+        listed: 0,
+        ..Effort::default()
+    };
+    let proof = SelfProof::new(tree, &WeightBox::unit(tree.model().target_count()), effort).ok()?;
+    let mut outcome = ProofOutcome::default();
+    for part in 0..proof.parts() {
+        outcome.join(proof.run_part(part));
+        yield_now().await;
+    }
+    proof.certificates(&outcome).ok()
+}

@@ -242,3 +242,50 @@ fn disabled_entities_and_replaced_lists_end_their_regions() {
     app.world_mut().entity_mut(collider).remove::<MorphSelfCollisions>();
     assert_eq!(messages.run(&mut app), (vec![], vec![2]));
 }
+
+#[test]
+fn a_proof_in_the_background_changes_no_report() {
+    let (mut app, collider) = stage(&[0.0, 2.0, 6.0], MorphSelfCollisions::default().with_proof(true));
+    let mesh = app.world().get::<Mesh3d>(collider).expect("it has one").0.id();
+    let tree = app.world().resource::<MorphTrees>().get(mesh).cloned();
+    let tree = tree.expect("it is built");
+    for _ in 0..2000 {
+        if tree.certificates().is_some() {
+            break;
+        }
+        app.update();
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let proved = tree
+        .certificates()
+        .map(|certificates| certificates.weights().interval(0));
+    assert_eq!(proved, Some(Some([0.0, 1.0])));
+    // The last cube comes down to 4, far from the others; beyond the proof, at 2.3, it goes through the second one.
+    let mut messages = Messages::default();
+    for (weight, expected) in [
+        (0.5, (vec![], vec![])),
+        (1.0, (vec![], vec![])),
+        (1.9, (vec![0], vec![])),
+        (1.0, (vec![], vec![0])),
+    ] {
+        set_weight(&mut app, collider, weight);
+        assert_eq!(messages.run(&mut app), expected, "{weight}");
+    }
+}
+
+#[test]
+fn the_proof_of_a_mesh_that_disappears_ends() {
+    let (mut app, collider) = stage(&[0.0, 2.0], MorphSelfCollisions::default().with_proof(true));
+    let mesh = app.world().get::<Mesh3d>(collider).expect("it has one").0.id();
+    let tree = app.world().resource::<MorphTrees>().get(mesh).cloned();
+    let tree = std::sync::Arc::downgrade(&tree.expect("it is built"));
+    app.world_mut().entity_mut(collider).despawn();
+    for _ in 0..500 {
+        app.update();
+        if tree.strong_count() == 0 {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    panic!("{} things still need the tree", tree.strong_count());
+}

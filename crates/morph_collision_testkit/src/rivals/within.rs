@@ -199,9 +199,13 @@ impl Posed {
     /// Compares two triangles.
     #[inline]
     fn test(&self, a: u32, b: u32, work: &mut QueryStats, pairs: &mut Vec<TrianglePair>) {
-        if !self.boxes[a as usize].overlaps(&self.boxes[b as usize]) {
-            return;
+        if self.boxes[a as usize].overlaps(&self.boxes[b as usize]) {
+            self.test_near(a, b, work, pairs);
         }
+    }
+
+    /// Compares two triangles whose boxes overlap.
+    fn test_near(&self, a: u32, b: u32, work: &mut QueryStats, pairs: &mut Vec<TrianglePair>) {
         let (of_a, of_b) = (self.corners(a), self.corners(b));
         if of_a.iter().any(|corner| of_b.contains(corner)) {
             return;
@@ -223,13 +227,16 @@ struct AllPairs {
 impl SelfMethod for AllPairs {
     fn find(&mut self, weights: &[f32], pairs: &mut Vec<TrianglePair>) -> Result<(), PoseError> {
         self.body.set(weights, &mut self.work)?;
-        let count = self.body.boxes.len() as u32;
-        for i in 0..count {
-            for j in i + 1..count {
-                self.body.test(i, j, &mut self.work, pairs);
+        let (body, boxes) = (&self.body, &self.body.boxes);
+        for (i, one) in boxes.iter().enumerate() {
+            for (j, other) in boxes.iter().enumerate().skip(i + 1) {
+                if one.overlaps(other) {
+                    body.test_near(i as u32, j as u32, &mut self.work, pairs);
+                }
             }
         }
-        self.work.node_tests += u64::from(count) * u64::from(count.saturating_sub(1)) / 2;
+        let count = boxes.len() as u64;
+        self.work.node_tests += count * count.saturating_sub(1) / 2;
         Ok(())
     }
 

@@ -46,7 +46,7 @@ pub struct MorphSelfCollisions {
     /// Whether to prove in the background which triangles touch for no weights from 0 to 1, and to leave them out from then on, while all
     /// weights are in that range. Reports stay the same.
     ///
-    /// A talking head then takes half the time per run, a body whose face talks an eighth. The proof takes a thread several seconds,
+    /// A talking head then takes two thirds of the time per run, a body whose face talks a fifth. The proof takes a thread several seconds,
     /// once for each mesh, and about 56 bytes for each node of the tree and target that moves it while it runs. It does nothing for skinned
     /// meshes, and where the game has only one thread, as on the web.
     pub prove: bool,

@@ -30,6 +30,8 @@ main.insertAdjacentHTML("afterbegin", `
   <dl class="counts" aria-label="What the show counts"></dl>`);
 const [cover, what, bar, counts] = [".cover", ".what", "progress", ".counts"].map((name) => main.querySelector(name));
 const canvas = main.querySelector("canvas");
+// The program gives its canvas the focus, and the browser would scroll the page's headline away to show all of it.
+canvas.focus = () => HTMLElement.prototype.focus.call(canvas, { preventScroll: true });
 
 // A button holds its key as long as it is pressed itself, so that all keys can be used without a keyboard.
 for (const button of main.querySelectorAll(".keys button")) {
@@ -92,7 +94,7 @@ async function start() {
     if (state.trouble) return stop(state.trouble);
     if (state.started && !cover.hidden) {
       cover.hidden = true;
-      canvas.focus({ preventScroll: true });
+      canvas.focus();
     }
     const time = performance.now();
     tell(state, (1000 * (state.drawn - before.drawn)) / (time - before.time));

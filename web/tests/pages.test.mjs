@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { begun, drawn, keep, open, pace, serve, state, until, visit } from "./site.mjs";
+import { begun, drawn, frames, keep, open, pace, serve, state, until, visit } from "./site.mjs";
 
 let site;
 let browser;
@@ -60,7 +60,7 @@ for (const [name, found] of Object.entries(FOUND)) {
 
     // Paused, both stand still: it was the show that changed the picture.
     await page.keyboard.press(pauseKey(name));
-    await new Promise((then) => setTimeout(then, 1500));
+    await frames(page);
     const third = { picture: await drawn(page), state: await state(page) };
     const fourth = { picture: await drawn(page), state: await state(page) };
     assert.equal(fourth.state.frame, third.state.frame);
@@ -94,9 +94,9 @@ test("buttons stand for keys", async () => {
   await begun(page);
   const frame = async () => (await state(page)).frame;
   await page.click("[data-code=Space]");
-  await new Promise((then) => setTimeout(then, 1500));
+  await frames(page);
   const paused = await frame();
-  await new Promise((then) => setTimeout(then, 1000));
+  await frames(page, 2);
   assert.equal(await frame(), paused);
   await page.click("[data-code=Period]");
   await until(page, (paused) => window.show.state().frame === paused + 1, paused);
@@ -113,19 +113,20 @@ test("a finger looks around", async () => {
   const { page, errors } = await visit(browser.browser, `${site.origin}/picking.html`, phone);
   await begun(page);
   await page.keyboard.press("Space");
-  await new Promise((then) => setTimeout(then, 1500));
+  await frames(page);
   const box = await (await page.$("#show")).boundingBox();
   const picture = async () => Buffer.from(await page.screenshot({ clip: { ...box, y: box.y + 60, height: box.height - 60 } }));
   const still = await picture();
   assert.ok(still.equals(await picture()));
   const [x, y] = [box.x + 0.5 * box.width, box.y + 0.5 * box.height];
   await page.touchscreen.touchStart(x, y);
-  for (let step = 1; step <= 10; step += 1) {
-    await page.touchscreen.touchMove(x + 8 * step, y);
-    await new Promise((then) => setTimeout(then, 60));
+  await frames(page, 1);
+  for (let step = 1; step <= 4; step += 1) {
+    await page.touchscreen.touchMove(x + 20 * step, y);
+    await frames(page, 1);
   }
   await page.touchscreen.touchEnd();
-  await new Promise((then) => setTimeout(then, 1500));
+  await frames(page);
   assert.ok(!still.equals(await picture()), "the camera stays where it is");
   await keep(page, "picking_phone");
   assert.deepEqual(errors, []);

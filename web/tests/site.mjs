@@ -13,6 +13,8 @@ const SITE = process.env.SITE ?? "target/web-site";
 /** Where pictures of the pages go, for people to look at. */
 const PICTURES = process.env.PICTURES ?? "target/web-pictures";
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+/** How many milliseconds a condition may take: software draws slowly, above all beside other work. */
+const PATIENCE = 1000 * Number(process.env.PATIENCE ?? 240);
 
 /** Nothing is drawn by a graphics card, and nothing is asked of the world outside. */
 const FLAGS = [
@@ -44,7 +46,7 @@ export async function open({ drawing = true } = {}) {
     args: [...FLAGS, ...(drawing ? DRAWING : NOT_DRAWING), "--window-size=1100,900"],
     defaultViewport: { width: 1000, height: 800 },
     userDataDir: profile,
-    protocolTimeout: 300_000,
+    protocolTimeout: PATIENCE + 60_000,
   });
   const close = async () => {
     await browser.close();
@@ -81,7 +83,7 @@ export async function visit(browser, url, viewport) {
       window.scriptTimes.push(performance.now() - start);
     });
   });
-  await page.goto(url);
+  await page.goto(url, { timeout: PATIENCE });
   return { page, errors };
 }
 
@@ -96,7 +98,7 @@ export async function pace(page) {
 
 /** Until a condition holds on the page, whose arguments follow it. */
 export function until(page, condition, ...args) {
-  return page.waitForFunction(condition, { timeout: 240_000, polling: 100 }, ...args);
+  return page.waitForFunction(condition, { timeout: PATIENCE, polling: 100 }, ...args);
 }
 
 /** Until its show runs. */
@@ -108,6 +110,12 @@ export async function begun(page) {
 }
 
 export const state = (page) => page.evaluate(() => window.show.state());
+
+/** Until the show has drawn some more frames, so that it has seen what was done before, however slowly it is drawn. */
+export async function frames(page, count = 3) {
+  const { drawn } = await state(page);
+  await until(page, (goal) => window.show.state().drawn >= goal, drawn + count);
+}
 
 /** What is drawn, but for the panel on the left, which grows with what it has to say. */
 export async function drawn(page) {

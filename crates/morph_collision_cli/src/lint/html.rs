@@ -8,7 +8,6 @@ use morph_collision_testkit::printable::Printable;
 
 use super::picture;
 use super::report::{FindingReport, LintReport, MeshReport};
-use super::suggest::Suggestion;
 
 const PAGE_STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:76em;padding:0 1em;color:#222;background:#fff;overflow-wrap:anywhere}\
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}\
@@ -72,21 +71,7 @@ fn of_mesh(mesh: &MeshReport, page: &mut String) {
     if !mesh.suggestions.is_empty() {
         *page += "<h2>Limits</h2>\n<ul>\n";
         for suggestion in &mesh.suggestions {
-            let Suggestion {
-                target,
-                largest,
-                clips_at,
-                while_other,
-            } = suggestion;
-            let other = while_other
-                .as_ref()
-                .map(|(other, weight)| format!(" while {} is {weight}", escaped(other)));
-            let _ = writeln!(
-                page,
-                "<li>{} clips at {clips_at}{}; it does not up to <b>{largest}</b></li>",
-                escaped(target),
-                other.unwrap_or_default()
-            );
+            let _ = writeln!(page, "<li>{}</li>", escaped(&suggestion.words()));
         }
         *page += "</ul>\n";
     }

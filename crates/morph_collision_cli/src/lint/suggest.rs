@@ -27,6 +27,24 @@ pub(super) struct Suggestion {
     pub(super) while_other: Option<(String, f32)>,
 }
 
+impl Suggestion {
+    /// The limit in a few words.
+    pub(super) fn words(&self) -> String {
+        let Self {
+            target,
+            largest,
+            clips_at,
+            while_other,
+        } = self;
+        let other = while_other.as_ref();
+        let other = other.map(|(other, weight)| format!(" while {other} is {weight}"));
+        format!(
+            "{target}: at most {largest}{} (it clips at {clips_at})",
+            other.unwrap_or_default()
+        )
+    }
+}
+
 /// Searches for each target of a finding's source, while the other one keeps its weight.
 pub(super) fn suggest(
     searcher: &mut Searcher,

@@ -7,7 +7,6 @@ use morph_collision_testkit::printable::Printable;
 
 use super::report::{LintReport, MeshReport};
 use super::search::MOST_PAIRS;
-use super::suggest::Suggestion;
 use crate::output::counted;
 
 /// The table shows at most this many findings of a mesh; the JSON has all.
@@ -92,17 +91,7 @@ impl MeshReport {
             )?;
         }
         for suggestion in &self.suggestions {
-            let Suggestion {
-                target,
-                largest,
-                clips_at,
-                while_other,
-            } = suggestion;
-            write!(text, "  {} clips at {clips_at}", Printable(target))?;
-            if let Some((other, weight)) = while_other {
-                write!(text, " while {} is {weight}", Printable(other))?;
-            }
-            writeln!(text, "; it does not up to {largest}")?;
+            writeln!(text, "  {}", Printable(&suggestion.words()))?;
         }
         Ok(())
     }

@@ -119,7 +119,10 @@ fn a_target_that_clips_alone_is_found_with_the_weight_that_does() -> TestResult 
         "the one at rest and the new one"
     );
     let text = String::from_utf8(lint(&path, &[QUICK, &["--suggest"]].concat())?.stdout)?;
-    assert!(text.contains("  down clips at 1; it does not up to 0.498046"), "{text}");
+    assert!(
+        text.contains("  down: at most 0.498046") && text.contains(" (it clips at 1)\n"),
+        "{text}"
+    );
     assert!(text.ends_with("1 finding in 46 shapes.\n"), "{text}");
     Ok(())
 }
@@ -275,7 +278,7 @@ fn the_page_has_a_picture_of_each_finding_and_the_weights() -> TestResult {
     for part in [
         "value=\"--mesh 0 --weights down=1\"",
         "<b>target down</b>",
-        "it does not up to <b>0.498",
+        "<li>down: at most 0.498",
     ] {
         assert!(html.contains(part), "no {part} in {html}");
     }

@@ -39,6 +39,8 @@ for (const button of main.querySelectorAll(".keys button")) {
   const key = code.replace(/^Key/, "").toLowerCase();
   const send = (type) => canvas.dispatchEvent(new KeyboardEvent(type, { code, key, bubbles: true }));
   button.addEventListener("pointerdown", () => send("keydown"));
+  // The focus stays on the canvas: a program that loses it releases all its keys.
+  button.addEventListener("mousedown", (event) => event.preventDefault());
   for (const end of ["pointerup", "pointerleave", "pointercancel"]) button.addEventListener(end, () => send("keyup"));
   // Enter and Space on the button: there is no pointer.
   button.addEventListener("click", ({ detail }) => {

@@ -94,6 +94,7 @@ test("buttons stand for keys", async () => {
   await begun(page);
   const frame = async () => (await state(page)).frame;
   await page.click("[data-code=Space]");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "show", "the canvas loses the focus, and with it every key that is held");
   await frames(page);
   const paused = await frame();
   await frames(page, 2);
@@ -112,6 +113,7 @@ test("a finger looks around", async () => {
   const phone = { width: 420, height: 800, hasTouch: true, isMobile: true };
   const { page, errors } = await visit(browser.browser, `${site.origin}/picking.html`, phone);
   await begun(page);
+  assert.equal(await page.evaluate(() => scrollY), 0, "the page scrolls by itself");
   await page.keyboard.press("Space");
   await frames(page);
   const box = await (await page.$("#show")).boundingBox();

@@ -7,6 +7,8 @@
 //! - *touching*: there is a [`Witness`], weights for which [`SelfQuery`](crate::SelfQuery) finds the pair;
 //! - *undecided*: the [`Effort`] was not enough. Such a pair may be free or not.
 //!
+//! [`SelfProof::certificates`] makes a proof useful at run time: queries leave out what is proved free ([`SelfCertificates`]).
+//!
 //! # How
 //!
 //! Along a direction `n`, the gap between two sets of vertices is linear in the weights, apart from the choice of the vertices:

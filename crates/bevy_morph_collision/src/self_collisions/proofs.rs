@@ -53,12 +53,7 @@ impl Proofs {
 
 /// Proves for all weights from 0 to 1, one part after the other.
 async fn prove(tree: &Arc<MorphBvh>) -> Option<SelfCertificates> {
-    let effort = Effort {
-        boxes_per_pair: 1,
-        listed: 0,
-        ..Effort::default()
-    };
-    let proof = SelfProof::new(tree, &WeightBox::unit(tree.model().target_count()), effort).ok()?;
+    let proof = SelfProof::new(tree, &WeightBox::unit(tree.model().target_count()), Effort::light()).ok()?;
     let mut outcome = ProofOutcome::default();
     for part in 0..proof.parts() {
         outcome.join(proof.run_part(part));

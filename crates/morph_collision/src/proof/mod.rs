@@ -29,6 +29,7 @@ mod outcome;
 mod pair;
 mod rounding;
 mod self_proof;
+mod walk;
 
 pub use outcome::{Effort, ProofOutcome, Witness};
 pub use self_proof::SelfProof;

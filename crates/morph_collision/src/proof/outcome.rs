@@ -13,6 +13,18 @@ pub struct Effort {
     pub listed: usize,
 }
 
+impl Effort {
+    /// One box for each pair of triangles, and no lists. It proves nearly as much as the default, in a fraction of the time: for certificates.
+    #[must_use]
+    pub fn light() -> Self {
+        Self {
+            boxes_per_pair: 1,
+            listed: 0,
+            ..Self::default()
+        }
+    }
+}
+
 impl Default for Effort {
     fn default() -> Self {
         Self {

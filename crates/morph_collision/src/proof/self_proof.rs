@@ -1,15 +1,12 @@
 use std::sync::Arc;
 
-use super::branch::{Branches, Decision};
 use super::nodes::{Node, NodeMotions};
-use super::outcome::{Effort, ProofOutcome, Witness};
-use super::pair::{Pair, TriangleMotion};
+use super::outcome::{Effort, ProofOutcome};
+use super::walk::Walk;
 use crate::InputError;
-use crate::bounds::LANES;
 use crate::hash::hash;
 use crate::model::WeightBox;
-use crate::query::TrianglePair;
-use crate::tree::{Area, ChildKind, Leaf, MorphBvh, OpenPairs, PatchPair, SelfCertificates};
+use crate::tree::{Area, ChildKind, Leaf, MorphBvh, OpenPairs, SelfCertificates};
 
 /// A proof has at least this many parts, if the mesh is large enough.
 const PARTS: usize = 256;
@@ -45,15 +42,15 @@ const MAX_OPEN: usize = 1 << 22;
 /// ```
 #[derive(Clone, Debug)]
 pub struct SelfProof {
-    bvh: Arc<MorphBvh>,
-    weights: WeightBox,
+    pub(super) bvh: Arc<MorphBvh>,
+    pub(super) weights: WeightBox,
     /// Weights to try first.
-    start: Vec<f32>,
-    effort: Effort,
-    nodes: NodeMotions,
+    pub(super) start: Vec<f32>,
+    pub(super) effort: Effort,
+    pub(super) nodes: NodeMotions,
     parts: Vec<[Node; 2]>,
     /// How many pairs of patches that are open a part remembers.
-    most_open: usize,
+    pub(super) most_open: usize,
     /// The same for all proofs about the same tree and box.
     key: u64,
 }
@@ -107,19 +104,7 @@ impl SelfProof {
         if let Some(&pair) = self.parts.get(part) {
             outcome.parts.push(part);
             outcome.proof = Some(self.key);
-            let most = self.effort.steps / self.parts.len() as u64;
-            let walk = Walk {
-                proof: self,
-                outcome: &mut outcome,
-                most,
-                split_tests: 0,
-                branches: Branches::default(),
-                pair: Pair::default(),
-                whole: Vec::new(),
-                start: Vec::new(),
-                masks: Vec::new(),
-            };
-            let is_spent = walk.run(pair);
+            let is_spent = Walk::new(self, &mut outcome).run(pair);
             if is_spent || outcome.open.patches.len() >= self.most_open {
                 outcome.open = OpenPairs {
                     patches: Vec::new(),
@@ -152,7 +137,7 @@ impl SelfProof {
     /// # let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[lower])?;
     /// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
     /// // Once per mesh; `bvh.layout()` stores them.
-    /// let proof = SelfProof::new(&bvh, &WeightBox::new(&[0.0], &[0.9])?, Effort::default())?;
+    /// let proof = SelfProof::new(&bvh, &WeightBox::new(&[0.0], &[0.9])?, Effort::light())?;
     /// bvh.set_certificates(proof.certificates(&proof.run())?)?;
     /// // All triangles are proved apart, so there is nothing to do.
     /// let mut pose = Pose::new(bvh);
@@ -212,7 +197,7 @@ impl SelfProof {
     }
 
     /// Visits the pairs of nodes below a pair. Returns false if both are leaves.
-    fn open(&self, [a, b]: [Node; 2], mut visit: impl FnMut([Node; 2])) -> bool {
+    pub(super) fn open(&self, [a, b]: [Node; 2], mut visit: impl FnMut([Node; 2])) -> bool {
         let children = |node: Node| {
             let lanes = match self.kind(node) {
                 ChildKind::Group(group) => Some((group, self.bvh.topology.group(group).children().len())),
@@ -243,7 +228,7 @@ impl SelfProof {
         true
     }
 
-    fn kind(&self, node: Node) -> ChildKind {
+    pub(super) fn kind(&self, node: Node) -> ChildKind {
         self.bvh
             .topology
             .group(node.group as usize)
@@ -261,133 +246,6 @@ fn key(bvh: &MorphBvh, weights: &WeightBox) -> u64 {
     let ends = intervals.flatten().map(|end| u64::from(end.to_bits()));
     let all = triangles.chain(leaves).chain(ends);
     hash(bvh.model().fingerprint(), all)
-}
-
-/// The run of one part.
-struct Walk<'a> {
-    proof: &'a SelfProof,
-    outcome: &'a mut ProofOutcome,
-    most: u64,
-    /// Parts of boxes that were looked at beyond the first of each pair.
-    split_tests: u64,
-    branches: Branches,
-    pair: Pair,
-    whole: Vec<[f32; 2]>,
-    start: Vec<f32>,
-    /// The open pairs of triangles of two leaves, for each pair of patches.
-    masks: Vec<u64>,
-}
-
-impl Walk<'_> {
-    /// Returns whether the steps were used up.
-    fn run(mut self, pair: [Node; 2]) -> bool {
-        let proof = self.proof;
-        let (mut stack, mut is_spent) = (vec![pair], false);
-        while let Some([a, b]) = stack.pop() {
-            let [of_a, of_b] = [a, b].map(|node| proof.nodes.get(node).triangles);
-            if self.outcome.node_tests + self.outcome.box_tests >= self.most {
-                self.outcome.undecided += if a == b { of_a * (of_a - 1) / 2 } else { of_a * of_b };
-                is_spent = true;
-                continue;
-            }
-            if a != b {
-                self.outcome.node_tests += 1;
-                if proof.nodes.are_apart(a, b, &proof.weights) {
-                    self.outcome.free_by_nodes += of_a * of_b;
-                    continue;
-                }
-            }
-            if !proof.open([a, b], |below| stack.push(below))
-                && let [ChildKind::Leaf(a), ChildKind::Leaf(b)] = [a, b].map(|node| proof.kind(node))
-            {
-                self.leaves(a, b);
-            }
-        }
-        self.outcome.box_tests += self.split_tests;
-        is_spent
-    }
-
-    fn leaves(&mut self, a: Leaf, b: Leaf) {
-        let proof = self.proof;
-        let motions = |leaf: Leaf| -> Vec<TriangleMotion> {
-            let triangles = proof.bvh.topology.leaf_triangles(leaf).iter();
-            triangles
-                .map(|&triangle| TriangleMotion::new(proof.bvh.model(), triangle, &proof.weights))
-                .collect()
-        };
-        let of_a = motions(a);
-        let of_b = if a == b { of_a.clone() } else { motions(b) };
-        let patches = of_b.len().div_ceil(LANES);
-        self.masks.clear();
-        self.masks.resize(of_a.len().div_ceil(LANES) * patches, 0);
-        for (i, first) in of_a.iter().enumerate() {
-            let from = if a == b { i + 1 } else { 0 };
-            for (j, second) in of_b.iter().enumerate().skip(from) {
-                if !first.shares_a_vertex(second) && !self.triangles(first, second) {
-                    self.masks[i / LANES * patches + j / LANES] |= 1 << (i % LANES * LANES + j % LANES);
-                }
-            }
-        }
-        let open = &mut self.outcome.open.patches;
-        let masks = self.masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
-        let masks = masks.take(proof.most_open.saturating_sub(open.len()));
-        open.extend(masks.map(|(place, &unrelated)| PatchPair {
-            leaves: [a.0 as u32, b.0 as u32],
-            patches: [(place / patches) as u8, (place % patches) as u8],
-            unrelated,
-        }));
-    }
-
-    /// Returns whether two triangles are free.
-    fn triangles(&mut self, a: &TriangleMotion, b: &TriangleMotion) -> bool {
-        let proof = self.proof;
-        self.pair.set(a, b);
-        self.whole.clear();
-        self.whole
-            .extend(self.pair.targets.iter().map(|&target| proof.weights.of(target)));
-        self.start.clear();
-        self.start
-            .extend(self.pair.targets.iter().map(|&target| proof.start[usize::from(target)]));
-        // Every pair gets one box, even if the others are used up.
-        let is_spent = self.split_tests >= self.most;
-        let most = if is_spent { 1 } else { proof.effort.boxes_per_pair };
-        let decision = self.branches.decide(&self.pair, &self.whole, &self.start, most);
-        let outcome = &mut *self.outcome;
-        let pair = || TrianglePair {
-            triangle_a: a.triangle.min(b.triangle),
-            triangle_b: a.triangle.max(b.triangle),
-        };
-        outcome.box_tests += 1;
-        let is_free = matches!(decision, Decision::Free { .. });
-        match decision {
-            Decision::Free { boxes: 0 | 1 } => outcome.free_by_direction += 1,
-            Decision::Free { boxes } => {
-                self.split_tests += u64::from(boxes) - 1;
-                outcome.free_by_splitting += 1;
-            }
-            Decision::Touching(weights) => {
-                outcome.touching += 1;
-                if outcome.witnesses.len() < proof.effort.listed {
-                    let mut all = proof.start.clone();
-                    for (&target, weight) in self.pair.targets.iter().zip(weights) {
-                        all[usize::from(target)] = weight;
-                    }
-                    outcome.witnesses.push(Witness {
-                        pair: pair(),
-                        weights: all,
-                    });
-                }
-            }
-            Decision::Undecided => {
-                self.split_tests += u64::from(most.saturating_sub(1));
-                outcome.undecided += 1;
-                if outcome.undecided_pairs.len() < proof.effort.listed {
-                    outcome.undecided_pairs.push(pair());
-                }
-            }
-        }
-        is_free
-    }
 }
 
 #[cfg(test)]
@@ -423,15 +281,12 @@ mod tests {
             }
             answers.push((pairs, work));
         }
-        let [all, some, none] = &answers[..] else {
-            unreachable!()
-        };
-        assert!(!all.0.is_empty() && all.0 == some.0 && all.0 == none.0);
+        assert!(!answers[0].0.is_empty());
+        assert!(answers.iter().all(|(pairs, _)| *pairs == answers[0].0));
+        let (with, without) = (&answers[0].1, &answers[2].1);
         assert!(
-            all.1.iter().zip(&none.1).all(|(few, many)| few < many),
-            "{:?} {:?}",
-            all.1,
-            none.1
+            with.iter().zip(without).all(|(few, many)| few < many),
+            "{with:?} {without:?}"
         );
     }
 }

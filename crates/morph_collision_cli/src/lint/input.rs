@@ -79,8 +79,8 @@ fn subject(file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<S
         mesh,
     };
     if let Some(garment) = garment {
-        let copies = subject.mesh.tree_bytes() + garment.mesh.tree_bytes();
-        count_memory(file, index, copies, || "it and the garment as one".to_owned())?;
+        let bytes = joined_bytes(&subject.mesh, &garment.mesh);
+        count_memory(file, index, bytes, || "it and the garment as one".to_owned())?;
         subject.garment_from = Some(subject.mesh.triangles.len() as u32);
         let joined = subject.mesh.joined(&garment.mesh);
         let told = |reason: JoinError| CliError::Flag {
@@ -94,6 +94,21 @@ fn subject(file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<S
         subject.materials.extend(garment.materials.iter().cloned().map(Some));
     }
     Ok(subject)
+}
+
+/// Upper bound on the bytes of two meshes as one. Every target that moves anything has an entry for each vertex of both.
+fn joined_bytes(mesh: &MorphMesh, garment: &MorphMesh) -> u64 {
+    let both = |count: fn(&MorphMesh) -> usize| (count(mesh) as u64).saturating_add(count(garment) as u64);
+    let (vertices, triangles) = (both(|mesh| mesh.positions.len()), both(|mesh| mesh.triangles.len()));
+    let targets = both(|mesh| mesh.targets.iter().filter(|target| !target.is_empty()).count());
+    let sets = both(|mesh| mesh.skin.as_ref().map_or(0, |skin| skin.sets.len()));
+    let keys = both(|mesh| mesh.animations.iter().map(|clip| clip.times.len()).sum());
+    let per_vertex = targets.saturating_mul(12).saturating_add(24 * sets + 12);
+    let of_clips = keys.saturating_mul(both(|mesh| mesh.targets.len())).saturating_mul(12);
+    vertices
+        .saturating_mul(per_vertex)
+        .saturating_add(12 * triangles)
+        .saturating_add(of_clips)
 }
 
 /// The mesh of `--garment`.

@@ -44,26 +44,15 @@ impl BoxLanes {
     pub(crate) fn add_scaled<S: Simd, const W: usize>(&mut self, simd: S, a: f32, slopes: Slopes<'_, W>) {
         let a = f32x8::splat(simd, a);
         for axis in 0..3 {
-            add_row(simd, &mut self.min[axis], a, &slopes.min[axis * W..][..LANES]);
-            add_row(simd, &mut self.max[axis], a, &slopes.max[axis * W..][..LANES]);
+            let row = |end: &[f32]| f32x8::from_slice(simd, &end[axis * W..][..LANES]);
+            add_row(simd, &mut self.min[axis], a, row(slopes.min));
+            add_row(simd, &mut self.max[axis], a, row(slopes.max));
         }
-    }
-
-    /// Adds the interval of a displacement, scaled by a weight of any sign. A negative weight moves lower ends by the largest
-    /// displacement and upper ends by the smallest.
-    #[inline(always)]
-    pub(crate) fn add_interval<S: Simd, const W: usize>(&mut self, simd: S, weight: f32, interval: Slopes<'_, W>) {
-        let (min, max) = if weight < 0.0 {
-            (interval.max, interval.min)
-        } else {
-            (interval.min, interval.max)
-        };
-        self.add_scaled(simd, weight, Slopes::<W> { min, max });
     }
 }
 
 /// `row += a * slopes`; multiplies, then adds.
 #[inline(always)]
-fn add_row<S: Simd>(simd: S, row: &mut Lanes, a: f32x8<S>, slopes: &[f32]) {
-    (row.load(simd) + f32x8::from_slice(simd, slopes) * a).store_slice(&mut row.0);
+pub(super) fn add_row<S: Simd>(simd: S, row: &mut Lanes, a: f32x8<S>, slopes: f32x8<S>) {
+    (row.load(simd) + slopes * a).store_slice(&mut row.0);
 }

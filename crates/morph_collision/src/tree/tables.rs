@@ -11,7 +11,8 @@
 //! - `X_k` moves the end to that of the target's reference box, which is the paper's blending (Eq. 3).
 //! - `I_k` moves the end by the extreme displacement. This is interval arithmetic, which costs no budget and holds for any weights.
 //!
-//! Every slope is rounded outward. Spending the budget is a fractional knapsack problem, so the targets of a group are sorted by how
+//! Every slope is rounded outward. Intervals are stored in half as many bits, because a box needs them only for what the budget does not cover.
+//! Spending the budget is a fractional knapsack problem, so the targets of a group are sorted by how
 //! much tighter the reference is than the interval.
 
 use std::ops::Range;
@@ -19,7 +20,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::extents::NodeExtents;
-use crate::bounds::{Aabb, BoxLanes, LANES, push_slopes, slopes_len};
+use crate::bounds::{Aabb, BoxLanes, LANES, intervals_len, push_intervals, push_slopes, slopes_len};
 
 /// A target that moves at least one child of a group.
 #[derive(Clone, Copy, Debug)]
@@ -37,9 +38,11 @@ struct Header {
     targets: Range<usize>,
     /// How many targets have references. They come first.
     references: usize,
-    /// The number of lanes in a row of slopes.
+    /// The number of lanes in a row of intervals or slopes.
     width: usize,
-    /// Where the group's slopes start: the intervals of all targets, then the references.
+    /// Where the intervals of the group's targets start.
+    intervals: usize,
+    /// Where the slopes of its references start.
     slopes: usize,
 }
 
@@ -49,6 +52,7 @@ pub(crate) struct Tables {
     headers: Vec<Header>,
     targets: Vec<LocalTarget>,
     order: Vec<u16>,
+    intervals: Vec<u32>,
     slopes: Vec<f32>,
 }
 
@@ -62,11 +66,11 @@ pub(crate) struct GroupTables<'a> {
     pub(crate) targets: &'a [LocalTarget],
     /// The indices of `targets`, in ascending order of target.
     pub(crate) order: &'a [u16],
-    /// The number of lanes in a row of slopes: the number of children.
+    /// The number of lanes in a row: the number of children.
     pub(crate) width: usize,
-    /// `I_k`, one per target, to be read by [`Slopes`](crate::bounds::Slopes).
-    pub(crate) intervals: &'a [f32],
-    /// `X_k` of the first targets: those for which the reference is tighter.
+    /// `I_k`, one per target, to be read by [`Intervals`](crate::bounds::Intervals).
+    pub(crate) intervals: &'a [u32],
+    /// `X_k` of the first targets, to be read by [`Slopes`](crate::bounds::Slopes): those for which the reference is tighter.
     pub(crate) references: &'a [f32],
     /// The number of targets with references.
     pub(crate) reference_count: usize,
@@ -92,17 +96,16 @@ impl Tables {
     pub(crate) fn group(&self, group: usize) -> GroupTables<'_> {
         let header = &self.headers[group];
         // Rows are read eight lanes wide, the last one beyond its end.
-        let entries = header.targets.len() + header.references;
-        let end = header.slopes + entries * slopes_len(header.width) + LANES;
-        let intervals = &self.slopes[header.slopes..end];
+        let intervals = header.targets.len() * intervals_len(header.width) + LANES;
+        let slopes = header.references * slopes_len(header.width) + LANES;
         GroupTables {
             base: &header.base,
             base_reach: header.base_reach,
             targets: &self.targets[header.targets.clone()],
             order: &self.order[header.targets.clone()],
             width: header.width,
-            intervals,
-            references: &intervals[header.targets.len() * slopes_len(header.width)..],
+            intervals: &self.intervals[header.intervals..][..intervals],
+            references: &self.slopes[header.slopes..][..slopes],
             reference_count: header.references,
         }
     }
@@ -111,13 +114,16 @@ impl Tables {
         size_of_val(&*self.headers)
             + size_of_val(&*self.targets)
             + size_of_val(&*self.order)
+            + size_of_val(&*self.intervals)
             + size_of_val(&*self.slopes)
     }
 
     /// Finishes the tables after the last group.
     pub(super) fn finish(&mut self) {
         // Rows are read eight lanes wide.
+        self.intervals.extend([0; LANES]);
         self.slopes.extend([0.0; LANES]);
+        self.intervals.shrink_to_fit();
         self.slopes.shrink_to_fit();
         self.targets.shrink_to_fit();
         self.order.shrink_to_fit();
@@ -143,10 +149,13 @@ impl Tables {
             })
             .collect();
         columns.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let (targets, slopes) = (self.targets.len(), self.slopes.len());
+        let header = &mut self.headers[group];
+        header.width = children.len();
+        (header.intervals, header.slopes) = (self.intervals.len(), self.slopes.len());
+        let targets = self.targets.len();
         for column in &columns {
             self.targets.push(column.local);
-            push_slopes(&mut self.slopes, &column.interval);
+            push_intervals(&mut self.intervals, &column.interval);
         }
         let references = columns.partition_point(|column| column.gain > 0.0);
         for column in &columns[..references] {
@@ -155,14 +164,13 @@ impl Tables {
         let mut order: Vec<u16> = (0..columns.len() as u16).collect();
         order.sort_unstable_by_key(|&place| columns[usize::from(place)].local.target);
         self.order.extend(order);
-        let header = &mut self.headers[group];
         for (lane, base) in bases.iter().enumerate() {
             header.base.set(lane, base);
         }
         // The conversion is exact, here and above: reaches are coordinates of the mesh.
         header.base_reach = whole.base.reach() as f32;
         header.targets = targets..self.targets.len();
-        (header.references, header.slopes, header.width) = (references, slopes, children.len());
+        header.references = references;
     }
 }
 
@@ -186,7 +194,8 @@ impl Column {
         };
         for (lane, (child, base)) in children.iter().zip(bases).enumerate() {
             if let Some(extents) = child.under(local.target) {
-                let (interval, reference) = (extents.displacement.outward(), extents.reference.slope_from(base));
+                let interval = extents.displacement.outward().coarse();
+                let reference = extents.reference.slope_from(base);
                 (column.interval[lane], column.reference[lane]) = (interval, reference);
                 column.gain += looseness(&interval) - looseness(&reference);
             }

@@ -53,7 +53,7 @@ pub(super) fn validate(bvh: &MorphBvh) {
         let tables = bvh.tables.group(group);
         let base = tables.base.min.iter().chain(&tables.base.max).flat_map(|row| row.0);
         assert!(
-            tables.intervals.iter().copied().chain(base).all(f32::is_finite),
+            tables.references.iter().copied().chain(base).all(f32::is_finite),
             "the tables of group {group}"
         );
     }

@@ -12,7 +12,8 @@ use morph_collision_workspace::shows;
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::pointer::Script;
-use morph_collision_workspace::view::stage::{Notes, StageCamera, show_volumes};
+use morph_collision_workspace::view::stage::{Notes, StageCamera};
+use morph_collision_workspace::view::volumes::show_volumes;
 
 use crate::support::{alone, count, frame, is_drawn, is_red, offscreen};
 

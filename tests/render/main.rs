@@ -10,3 +10,4 @@ mod page;
 mod references;
 mod silhouettes;
 mod support;
+mod types;

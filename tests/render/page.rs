@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use bevy::camera::NormalizedRenderTarget;
 use bevy::ecs::system::RunSystemOnce;
+use bevy::mesh::morph::MorphWeights;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::offscreen::Offscreen;
-use morph_collision_workspace::view::page::{self, Told};
+use morph_collision_workspace::view::page::{self, Hand, Told};
 use morph_collision_workspace::view::stage::StageCamera;
 
 use crate::support::{alone, frame, offscreen};
@@ -33,6 +34,37 @@ fn a_page_is_told_what_the_show_is_at() {
     assert_eq!(state.triangle_pairs, diagnostics.triangle_pairs);
     assert!(state.weights.iter().any(|&weight| weight != 0.0));
     assert_eq!(state.trouble, None);
+}
+
+#[test]
+fn a_page_sets_weights_and_gives_them_back() {
+    let _alone = alone();
+    let mut show = offscreen(shows::pass_through(), SIZE);
+    let (told, hand) = (Told::default(), Hand::default());
+    page::plugin(
+        show.app_mut()
+            .insert_resource(told.clone())
+            .insert_resource(hand.clone()),
+    );
+    show.jump(100);
+    show.advance(2);
+    let own = told.now();
+    assert_eq!(own.targets.len(), own.weights.len());
+    let by_hand = vec![0.25, -0.5];
+    hand.set(Some(by_hand.clone()));
+    show.advance(2);
+    assert_eq!(told.now().weights, by_hand);
+    let models = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
+        weights.iter().map(|weights| weights.weights().to_vec()).collect()
+    };
+    let drawn = show.app_mut().world_mut().run_system_once(models).unwrap();
+    assert!(
+        !drawn.is_empty() && drawn.iter().all(|weights| *weights == by_hand),
+        "{drawn:?}"
+    );
+    hand.set(None);
+    show.advance(2);
+    assert_ne!(told.now().weights, by_hand);
 }
 
 /// The materials of all models that can be clicked.

@@ -1,6 +1,7 @@
 // A page with a show on it: <body data-show="name" data-files="what it needs of assets/" data-program="which program has it, if not shows">.
 
 import { lacking, load } from "./load.js";
+import { Weights } from "./weights.js";
 
 const main = document.querySelector("main");
 /** Keys that all shows have: what they are called in the program and on the page, and what they do. */
@@ -21,7 +22,7 @@ const OWN_KEYS = (document.body.dataset.keys ?? "").split(";").filter(Boolean).m
 const keyButton = ([code, key, words]) => `<button type="button" data-code="${code}">${words} <kbd>${key}</kbd></button>`;
 main.insertAdjacentHTML("afterbegin", `
   <div class="stage">
-    <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the panel on it has the controls."></canvas>
+    <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the buttons below it have its keys."></canvas>
     <div class="cover"><p class="what" role="status">Loading</p><progress></progress></div>
   </div>
   <div class="keys" role="group" aria-label="Keys of the show">${[...OWN_KEYS, ...KEYS].map(keyButton).join("")}</div>
@@ -50,9 +51,12 @@ for (const button of main.querySelectorAll(".keys button")) {
   });
 }
 
+const weights = new Weights(main, (weights) => show.stage?.weigh(weights));
+
 /** What a test, or a curious user, may ask. */
 export const show = {
   stage: null,
+  weights,
   /** Why there is nothing to be seen, or null. */
   trouble: null,
   state: () => (show.stage ? JSON.parse(show.stage.state()) : null),
@@ -105,13 +109,14 @@ async function start() {
 }
 
 function tell(state, rate) {
+  weights.show(state);
+  const pace = state.paused ? "paused" : state.speed === 1 ? "" : `speed ${state.speed}`;
   const lines = [
+    ["frame", [Math.round(state.frame), pace].filter(String).join(", ")],
     ["frames per second", rate.toFixed(rate < 10 ? 1 : 0)],
-    ["colliders", state.colliders],
-    ["touching", `${state.touching} pairs`],
-    ["touching triangles", `${state.triangle_pairs} pairs`],
-    ["collision time", `${state.collision_ms.toFixed(1)} ms`],
+    ...(state.volumes === null ? [] : [["boxes drawn", `level ${state.volumes}`]]),
     ...state.notes,
+    ...state.counts,
   ];
   counts.replaceChildren(...lines.map(([name, value]) => {
     const row = document.createElement("div");

@@ -5,7 +5,7 @@ use std::path::Path;
 use morph_collision_workspace::shows::{self, Inbox, Judged, Verdict};
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::files::Files;
-use morph_collision_workspace::view::page::{self, State, Told};
+use morph_collision_workspace::view::page::{self, Hand, State, Told};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -15,6 +15,7 @@ use wasm_bindgen::prelude::*;
 pub struct Stage {
     files: Files,
     told: Told,
+    hand: Hand,
     inbox: Inbox,
     verdict: Verdict,
 }
@@ -47,8 +48,13 @@ impl Stage {
     /// Fails if this program has no show with that name.
     pub fn start(&self, name: &str, canvas: &str) -> Result<(), String> {
         let show = self.show(name).ok_or_else(|| format!("there is no example {name:?}"))?;
-        page::run(show, canvas, &self.files, self.told.clone());
+        page::run(show, canvas, &self.files, self.told.clone(), self.hand.clone());
         Ok(())
+    }
+
+    /// Gives all models these weights, or their own ones again.
+    pub fn weigh(&self, weights: Option<Vec<f32>>) {
+        self.hand.set(weights);
     }
 
     /// Passes the user's own model to the show: its file name and content.

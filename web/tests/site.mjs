@@ -117,11 +117,9 @@ export async function frames(page, count = 3) {
   await until(page, (goal) => window.show.state().drawn >= goal, drawn + count);
 }
 
-/** What is drawn, but for the panel on the left, which grows with what it has to say. */
+/** What is drawn. */
 export async function drawn(page) {
-  const box = await (await page.$("#show")).boundingBox();
-  const panel = 0.45 * box.width;
-  const clip = { x: box.x + panel, y: box.y, width: box.width - panel, height: box.height };
+  const clip = await (await page.$("#show")).boundingBox();
   return Buffer.from(await page.screenshot({ clip }));
 }
 

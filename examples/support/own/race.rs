@@ -75,12 +75,17 @@ impl Race {
     }
 
     fn set_up(&mut self, parts: Vec<(usize, Entity)>, bodies: &[usize], meshes: &[MorphMesh]) {
+        let options = MethodOptions::default();
+        // Named one by one, so that a web page does not download the other methods.
         let ways = [
-            ("morph trees", MethodKind::Morph),
-            ("whole mesh refitted", MethodKind::BottomUp),
+            ("morph trees", MethodKind::Morph.set_up(meshes, bodies, &options)),
+            (
+                "whole mesh refitted",
+                MethodKind::BottomUp.set_up(meshes, bodies, &options),
+            ),
         ];
-        for (name, kind) in ways {
-            match kind.set_up(meshes, bodies, &MethodOptions::default()) {
+        for (name, way) in ways {
+            match way {
                 Ok(method) => self.contenders.push(Contender {
                     name,
                     method,

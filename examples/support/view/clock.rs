@@ -3,7 +3,6 @@
 
 use bevy::prelude::*;
 use bevy::time::TimeSystems;
-use bevy_egui::input::EguiWantsInput;
 use bevy_morph_collision::MorphTrees;
 
 use crate::app::STEP;
@@ -61,6 +60,7 @@ pub fn started(clock: Res<Clock>) -> bool {
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Clock>()
         .init_resource::<PauseKey>()
+        .init_resource::<Typing>()
         .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| {
             time.pause();
             // If frames take longer, the show slows down instead of leaping.
@@ -99,7 +99,7 @@ pub(super) fn tick(mut clock: ResMut<Clock>, mut time: ResMut<Time<Virtual>>, mu
 
 fn keys(
     keys: Res<ButtonInput<KeyCode>>,
-    typing: Option<Res<EguiWantsInput>>,
+    typing: Res<Typing>,
     pause_key: Res<PauseKey>,
     mut clock: ResMut<Clock>,
     mut time: ResMut<Time<Virtual>>,
@@ -121,9 +121,13 @@ fn keys(
     }
 }
 
-/// Whether the panel wants the keyboard input.
-pub fn is_typing(panel: Option<Res<EguiWantsInput>>) -> bool {
-    panel.is_some_and(|panel| panel.wants_keyboard_input())
+/// Whether the panel wants the keyboard input. Pages have no panel.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct Typing(pub bool);
+
+/// A run condition: the panel wants the keyboard input.
+pub fn is_typing(typing: Res<Typing>) -> bool {
+    typing.0
 }
 
 /// Pauses or resumes.

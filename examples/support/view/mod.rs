@@ -5,6 +5,7 @@
 
 pub mod arms;
 pub mod clock;
+mod counts;
 pub mod files;
 pub mod group;
 pub mod halves;
@@ -14,6 +15,7 @@ pub mod models;
 pub mod offscreen;
 pub mod overlay;
 pub mod page;
+#[cfg(not(target_arch = "wasm32"))]
 mod panel;
 #[cfg(not(target_arch = "wasm32"))]
 mod pictures;
@@ -24,6 +26,8 @@ mod run;
 pub mod sliders;
 pub mod smooth;
 pub mod stage;
+pub mod types;
+pub mod volumes;
 #[cfg(not(target_arch = "wasm32"))]
 mod window;
 

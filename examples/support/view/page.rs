@@ -2,14 +2,17 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use serde::Serialize;
 
 use super::clock::{Clock, Trouble};
+use super::counts;
 use super::overlay::Overlay;
 use super::sliders::Sliders;
 use super::stage::{Notes, Playbill};
+use super::volumes;
 
 /// The state of a show, for the page to display and for tests to check.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -32,10 +35,18 @@ pub struct State {
     pub red: usize,
     /// How often two colliders started touching.
     pub events: u64,
-    /// Time that the plugin took in this frame, in milliseconds.
-    pub collision_ms: f64,
-    /// The weights that the sliders show: those of the model with the most weights.
+    /// Whether it is paused.
+    pub paused: bool,
+    /// How many seconds of the show pass in a second.
+    pub speed: f32,
+    /// The level of the bounding volumes that are drawn, if any are.
+    pub volumes: Option<usize>,
+    /// The names and weights of the targets of the model with the most targets.
+    pub targets: Vec<String>,
+    /// See there.
     pub weights: Vec<f32>,
+    /// What it counts and how long that takes: a name and a value in each line.
+    pub counts: Vec<(&'static str, String)>,
     /// Values that the show itself reports.
     pub notes: Vec<(&'static str, String)>,
     /// Why it cannot begin.
@@ -58,17 +69,45 @@ impl Told {
     }
 }
 
-/// Updates the state after every frame.
+/// The weights that the page's user has set by hand, if any. Clones share the same weights.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Hand(Arc<Mutex<Option<Vec<f32>>>>);
+
+impl Hand {
+    /// From the next frame on, all models have these weights; `None` gives them back their own.
+    pub fn set(&self, weights: Option<Vec<f32>>) {
+        *self.lock() = weights;
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<Vec<f32>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Updates the state after every frame, and takes the page's weights before.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<Told>().add_systems(Last, tell);
+    app.init_resource::<Told>()
+        .init_resource::<Hand>()
+        .add_systems(Update, take)
+        .add_systems(Last, tell);
+}
+
+fn take(hand: Res<Hand>, mut sliders: ResMut<Sliders>) {
+    let weights = hand.lock();
+    sliders.in_hand = weights.is_some();
+    for (slider, &weight) in sliders.weights.iter_mut().zip(weights.iter().flatten()) {
+        slider.1 = weight;
+    }
 }
 
 fn tell(
     told: Res<Told>,
     bill: Res<Playbill>,
     clock: Res<Clock>,
+    (virtual_time, real): (Res<Time<Virtual>>, Res<Time<Real>>),
     diagnostics: Res<MorphCollisionDiagnostics>,
     overlay: Res<Overlay>,
+    store: Res<GizmoConfigStore>,
     sliders: Res<Sliders>,
     notes: Res<Notes>,
     trouble: Option<Res<Trouble>>,
@@ -85,8 +124,12 @@ fn tell(
         triangle_pairs: diagnostics.triangle_pairs,
         red: overlay.triangles,
         events: state.events + starts.read().count() as u64,
-        collision_ms: diagnostics.duration.as_secs_f64() * 1e3,
+        paused: virtual_time.is_paused(),
+        speed: virtual_time.relative_speed(),
+        volumes: volumes::level(&store),
+        targets: sliders.weights.iter().map(|(name, _)| name.clone()).collect(),
         weights: sliders.weights.iter().map(|&(_, weight)| weight).collect(),
+        counts: [counts::work(&diagnostics), counts::times(&diagnostics, &real)].concat(),
         notes: notes.0.clone(),
         trouble: trouble.map(|trouble| trouble.0.clone()),
     };
@@ -94,7 +137,7 @@ fn tell(
 
 /// Puts a show into the canvas that this CSS selector finds.
 #[cfg(target_arch = "wasm32")]
-pub fn run(show: super::Show, canvas: &str, files: &super::files::Files, told: Told) {
+pub fn run(show: super::Show, canvas: &str, files: &super::files::Files, told: Told, hand: Hand) {
     use super::stage::{self, Place};
 
     let window = Window {
@@ -103,7 +146,8 @@ pub fn run(show: super::Show, canvas: &str, files: &super::files::Files, told: T
         ..default()
     };
     let mut app = stage::app(stage::plugins(Some(window)), files);
+    super::types::register(&mut app.world().resource::<AppTypeRegistry>().write());
     stage::set(&mut app, show, Place::Window);
-    app.insert_resource(told).add_plugins(plugin);
+    app.insert_resource(told).insert_resource(hand).add_plugins(plugin);
     app.run();
 }

@@ -3,13 +3,16 @@
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy_egui::egui::{FontData, FontDefinitions, FontFamily};
-use bevy_egui::{EguiContext, EguiContexts, EguiPrimaryContextPass, egui};
+use bevy_egui::input::EguiWantsInput;
+use bevy_egui::{EguiContext, EguiContexts, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 use bevy_morph_collision::prelude::*;
 
-use super::clock::{self, Clock, PauseKey};
+use super::clock::{self, Clock, PauseKey, Typing};
+use super::counts;
 use super::overlay::Overlay;
 use super::sliders::Sliders;
-use super::stage::{Notes, Playbill};
+use super::stage::{Notes, Playbill, StageCamera};
+use super::volumes::{self, DEEPEST};
 
 /// Keys that all shows share.
 const KEYS: [(&str, &str); 8] = [
@@ -26,16 +29,19 @@ const KEYS: [(&str, &str); 8] = [
 /// The largest width of a value, in points.
 const LONGEST: f32 = 200.0;
 
-/// The deepest selectable level of volumes.
-const DEEPEST: usize = 12;
-
 pub(super) fn plugin(app: &mut App) {
-    app.add_observer(set_fonts)
-        .add_systems(EguiPrimaryContextPass, panel)
-        .add_systems(Update, volumes_by_key.run_if(not(clock::is_typing)));
+    app.add_plugins(EguiPlugin::default())
+        .add_observer(set_fonts)
+        .add_observer(|camera: On<Add<StageCamera>>, mut commands: Commands| {
+            commands.entity(camera.entity).insert(PrimaryEguiContext);
+        })
+        .add_systems(First, |wants: Res<EguiWantsInput>, mut typing: ResMut<Typing>| {
+            typing.0 = wants.wants_keyboard_input();
+        })
+        .add_systems(EguiPrimaryContextPass, panel);
 }
 
-/// Uses one font for everything. All fonts that egui uses by default would add 600 kB to what a web page downloads.
+/// Uses one font for everything.
 fn set_fonts(added: On<Add<EguiContext>>, mut contexts: Query<&mut EguiContext>) {
     let name = "Ubuntu-Light";
     let mut fonts = FontDefinitions::empty();
@@ -47,20 +53,6 @@ fn set_fonts(added: On<Add<EguiContext>>, mut contexts: Query<&mut EguiContext>)
     if let Ok(mut context) = contexts.get_mut(added.entity) {
         context.get_mut().set_fonts(fonts);
     }
-}
-
-fn volumes_by_key(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
-    if !keys.just_pressed(KeyCode::KeyV) {
-        return;
-    }
-    let depth = &mut store.config_mut::<MorphGizmos>().1.depth;
-    let higher = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
-    *depth = match (*depth, higher) {
-        (None, false) => Some(0),
-        (None | Some(0), true) => None,
-        (Some(level), false) => Some((level + 1).min(DEEPEST)),
-        (Some(level), true) => Some(level - 1),
-    };
 }
 
 fn panel(
@@ -75,23 +67,14 @@ fn panel(
     mut store: ResMut<GizmoConfigStore>,
     (real, pause): (Res<Time<Real>>, Res<PauseKey>),
 ) -> Result {
-    // A page covers the canvas until then, and does not know its width before.
-    if cfg!(target_arch = "wasm32") && !clock.started {
-        return Ok(());
-    }
     let context = contexts.ctx_mut()?;
     context.set_visuals(egui::Visuals::light());
-    // On a phone it would hide the show.
-    let wide = context.content_rect().width() > 640.0;
-    // A page explains beside the show how to look around.
-    let keys_open = bill.live && wide && !cfg!(target_arch = "wasm32");
     // The window's height without title and frame.
     let room = context.content_rect().height() - 64.0;
     egui::Window::new(bill.name)
         .anchor(egui::Align2::LEFT_TOP, [8.0, 8.0])
         .default_size([230.0, room])
         .resizable(false)
-        .default_open(wide)
         .show(context, |ui| {
             egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
                 ui.label(bill.about);
@@ -111,9 +94,13 @@ fn panel(
                 }
                 ui.separator();
                 rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
-                rows(ui, "counts", counts(&diagnostics, &bill, &real));
+                rows(ui, "counts", counts::work(&diagnostics));
+                // In pictures, nothing that depends on the machine.
+                if bill.live {
+                    rows(ui, "times", counts::times(&diagnostics, &real));
+                }
                 egui::CollapsingHeader::new("keys")
-                    .default_open(keys_open)
+                    .default_open(bill.live)
                     .show(ui, |ui| {
                         let pause = (pause.1, "pause");
                         let own = bill.keys.iter().chain([&pause]).chain(&KEYS);
@@ -149,8 +136,7 @@ fn time_row(ui: &mut egui::Ui, bill: &Playbill, clock: &mut Clock, time: &mut Ti
 }
 
 fn volumes_row(ui: &mut egui::Ui, store: &mut GizmoConfigStore) {
-    let current = store.config::<MorphGizmos>().1.depth;
-    let mut level = current.map_or(-1, |depth| depth as i32);
+    let mut level = volumes::level(store).map_or(-1, |depth| depth as i32);
     let slider = egui::Slider::new(&mut level, -1..=DEEPEST as i32).text("volumes");
     let shown = slider.custom_formatter(|level, _| {
         if level < 0.0 {
@@ -160,7 +146,7 @@ fn volumes_row(ui: &mut egui::Ui, store: &mut GizmoConfigStore) {
         }
     });
     if ui.add(shown).changed() {
-        store.config_mut::<MorphGizmos>().1.depth = usize::try_from(level).ok();
+        volumes::set(store, usize::try_from(level).ok());
     }
 }
 
@@ -175,41 +161,6 @@ fn weights(ui: &mut egui::Ui, sliders: &mut Sliders) {
             });
         });
     });
-}
-
-/// Work done and skipped in this frame. In pictures, nothing that depends on the machine.
-fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<Real>) -> Vec<(&'static str, String)> {
-    let stats = &diagnostics.stats;
-    let share = 100.0 * stats.nodes_blended as f64 / diagnostics.nodes_total.max(1) as f64;
-    let skipped = [
-        diagnostics.skipped_same_body,
-        diagnostics.skipped_layers,
-        diagnostics.skipped_passive,
-        diagnostics.skipped_rigid,
-    ];
-    let mut counts = vec![
-        ("colliders", diagnostics.colliders.to_string()),
-        ("boxes overlap", format!("{} pairs", diagnostics.overlapping_pairs)),
-        ("skipped by rule", format!("{} pairs", skipped.iter().sum::<u64>())),
-        ("skipped, unchanged", format!("{} pairs", diagnostics.skipped_unchanged)),
-        ("touching", format!("{} pairs", diagnostics.touching_pairs)),
-        (
-            "nodes refitted",
-            format!("{} of {} ({share:.1} %)", stats.nodes_blended, diagnostics.nodes_total),
-        ),
-        ("vertices blended", stats.vertices_blended.to_string()),
-        ("exact tests", stats.triangle_tests.to_string()),
-        ("touching triangles", format!("{} pairs", diagnostics.triangle_pairs)),
-    ];
-    if bill.live {
-        let frame = real.delta_secs_f64() * 1e3;
-        counts.push((
-            "collision time",
-            format!("{:.2} ms", diagnostics.duration.as_secs_f64() * 1e3),
-        ));
-        counts.push(("frame time", format!("{frame:.1} ms")));
-    }
-    counts
 }
 
 fn rows(ui: &mut egui::Ui, name: &str, rows: impl IntoIterator<Item = (&'static str, String)>) {

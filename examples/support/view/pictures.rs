@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 
 use super::offscreen::Offscreen;
 use super::overlay::Overlay;
-use super::{Show, stage};
+use super::{Show, stage, volumes};
 use crate::app::STEP;
 use crate::error::ExampleError;
 use crate::options::{Animation, ViewOptions};
@@ -40,7 +40,7 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
         Some(_) => Some(Film::create(&folder.join(format!("{name}.gif")))?),
         None => None,
     };
-    stage::show_volumes(offscreen.app_mut(), options.volumes);
+    volumes::show_volumes(offscreen.app_mut(), options.volumes);
     let progress = ProgressBar::new(wanted.len() as u64);
     let mut now = 0;
     for frame in wanted {

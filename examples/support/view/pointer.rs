@@ -6,9 +6,8 @@ use bevy::picking::PickingSystems;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use bevy_egui::input::EguiWantsInput;
 
-use super::clock::{self, Clock, is_typing};
+use super::clock::{self, Clock, Typing};
 use super::stage::StageCamera;
 
 /// The pointer's actions, in ascending order of frames, at least two frames apart.
@@ -38,11 +37,11 @@ impl Script {
 /// Removes everything that the user has stuck somewhere, with the key X.
 pub fn remove_by_key<T: Component>(
     keys: Res<ButtonInput<KeyCode>>,
-    panel: Option<Res<EguiWantsInput>>,
+    typing: Res<Typing>,
     stuck: Query<Entity, With<T>>,
     mut commands: Commands,
 ) {
-    if keys.just_pressed(KeyCode::KeyX) && !is_typing(panel) {
+    if keys.just_pressed(KeyCode::KeyX) && !typing.0 {
         stuck.iter().for_each(|entity| commands.entity(entity).despawn());
     }
 }

@@ -11,18 +11,21 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::settings::{Backends, WgpuSettings};
 use bevy::window::ExitCondition;
-use bevy_egui::{EguiPlugin, PrimaryEguiContext};
 use bevy_morph_collision::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 
 use super::files::Files;
-use super::{Show, clock, models, overlay, panel, pointer, sliders};
+use super::{Show, clock, models, overlay, pointer, sliders, volumes};
 
 /// The colour behind everything.
 pub const BACKGROUND: Color = Color::srgb(0.93, 0.95, 0.97);
 
 /// A show's description, for the panel.
 #[derive(Resource, Clone, Debug)]
+#[cfg_attr(
+    target_arch = "wasm32",
+    allow(dead_code, reason = "a page describes its show itself")
+)]
 pub(super) struct Playbill {
     pub(super) name: &'static str,
     pub(super) about: &'static str,
@@ -125,10 +128,11 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
             overlay::plugin,
             pointer::clicks,
             sliders::plugin,
+            volumes::plugin,
         ));
-    let bare = matches!(place, Place::Image { bare: true, .. });
-    if !bare {
-        app.add_plugins((EguiPlugin::default(), panel::plugin));
+    #[cfg(not(target_arch = "wasm32"))]
+    if !matches!(place, Place::Image { bare: true, .. }) {
+        app.add_plugins(super::panel::plugin);
     }
     if live {
         app.add_plugins(PanOrbitCameraPlugin);
@@ -185,22 +189,16 @@ fn camera(commands: &mut Commands, eye: Vec3, target: Vec3, place: &Place) {
     ));
     match place {
         Place::Window => {
-            camera.insert((
-                PrimaryEguiContext,
-                PanOrbitCamera {
-                    focus: target,
-                    button_orbit: MouseButton::Right,
-                    button_pan: MouseButton::Middle,
-                    use_real_time: true,
-                    ..default()
-                },
-            ));
+            camera.insert(PanOrbitCamera {
+                focus: target,
+                button_orbit: MouseButton::Right,
+                button_pan: MouseButton::Middle,
+                use_real_time: true,
+                ..default()
+            });
         }
-        Place::Image { target, bare } => {
+        Place::Image { target, .. } => {
             camera.insert(RenderTarget::Image(target.clone().into()));
-            if !bare {
-                camera.insert(PrimaryEguiContext);
-            }
         }
     }
 }
@@ -218,15 +216,6 @@ fn widen(mut camera: Single<(&Camera, &mut Projection), With<StageCamera>>) {
     {
         perspective.fov = fov;
     }
-}
-
-/// Draws the bounding volumes at depth `level` below the root; `None` draws none.
-pub fn show_volumes(app: &mut App, level: Option<usize>) {
-    app.world_mut()
-        .resource_mut::<GizmoConfigStore>()
-        .config_mut::<MorphGizmos>()
-        .1
-        .depth = level;
 }
 
 /// Whether there is any graphics driver, including software renderers.

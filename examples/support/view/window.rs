@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
 use super::stage::{self, Place};
-use super::{Show, clock::Trouble, files::Files};
+use super::{Show, clock::Trouble, files::Files, volumes};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
 
@@ -26,7 +26,7 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
     };
     let mut app = stage::app(stage::plugins(Some(window)), &Files::default());
     stage::set(&mut app, show, Place::Window);
-    stage::show_volumes(&mut app, options.volumes);
+    volumes::show_volumes(&mut app, options.volumes);
     // The app is gone after it has run; this remains.
     let trouble = Arc::new(OnceLock::new());
     let told = Arc::clone(&trouble);

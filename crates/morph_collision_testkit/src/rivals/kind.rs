@@ -115,6 +115,8 @@ impl MethodKind {
     ///
     /// # Errors
     /// [`MorphMesh::to_model`] refuses a mesh, an option is out of range, or a body's mesh does not exist.
+    // A program that always sets up the same method does not contain the others.
+    #[inline(always)]
     pub fn set_up(
         self,
         meshes: &[MorphMesh],

@@ -114,6 +114,18 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
     context.store.write(NAME, &rows)
 }
 
+const IF_TOO_MUCH: &str = "\
+## If a flip-book takes too much memory
+
+For each triangle that it moves, a target takes about 6 bytes in the model and 7 in the tree, however small the movement. A flip-book, in which every
+target moves every vertex, can take less in four ways:
+
+- **Fewer targets.** Weights blend between neighbouring frames, so a clip often looks the same with half of them.
+- **Fewer triangles.** Draw the detailed mesh, and collide with a coarse one whose targets have the same order and receive the same weights.
+- **One mesh for each clip**, loaded only while it is played.
+- **Joints instead of targets.** A skinned mesh takes no more memory for more clips (the walkers above).
+";
+
 fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let rows: Vec<Bytes> = store.rows(NAME)?;
     let mut table = Table::new([
@@ -139,7 +151,7 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             [Known data](known_data.md) has the memory of other methods, and [scale](scale.md) that of growing meshes.\n",
         command: "just report --only bytes",
         data: &[NAME],
-        body: table.to_string(),
+        body: format!("{table}\n{IF_TOO_MUCH}"),
         ..Page::default()
     };
     Ok(page.about(rows.iter().map(Bytes::origin)))

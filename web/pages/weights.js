@@ -51,7 +51,7 @@ export class Weights {
 function row(target) {
   const [label, name, slider, value] = ["label", "span", "input", "output"].map((tag) => document.createElement(tag));
   name.textContent = target;
-  Object.assign(slider, { type: "range", min: -0.5, max: 1.5, step: 0.01, value: 0 });
+  Object.assign(slider, { type: "range", min: -0.5, max: 1.5, step: 0.01, value: 0, ariaLabel: target });
   label.append(name, slider, value);
   return label;
 }

@@ -116,7 +116,7 @@ test("weights can be set by hand, and given back", async () => {
   await page.click(".weights input[type=checkbox]");
   const jaw = (await state(page)).targets.indexOf("jawOpen");
   // The slider of a target, as a screen reader finds it.
-  const slider = await page.$("aria/jawOpen[role=slider]");
+  const slider = await page.$(`aria/jawOpen[role="slider"]`);
   await slider.focus();
   await page.keyboard.press("End");
   await until(page, (jaw) => window.show.state().weights[jaw] === 1.5, jaw);

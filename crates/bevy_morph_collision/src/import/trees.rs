@@ -1,6 +1,7 @@
 //! One tree per mesh asset, shared by all instances.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashMap;
@@ -13,6 +14,7 @@ use super::mesh_data::ImportError;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
 use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
+use super::turns::pace;
 
 /// The collision trees of all meshes that a collider has requested.
 ///
@@ -29,6 +31,9 @@ use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
 /// If tasks share the main thread, as on the web, all of them together take 4 ms per frame plus at most one step. A step takes
 /// about a millisecond, but a mesh is checked and welded in a single step, which takes tens of milliseconds for the largest
 /// faces.
+///
+/// If the last frame took longer than 1/60 s, copies and tasks may take as many times longer, but at most twelve times. So a
+/// model does not take longer to get ready where frames are slow.
 #[derive(Resource, Reflect, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphTrees {
@@ -54,7 +59,7 @@ pub struct MorphTrees {
     background: Background,
 }
 
-/// The number of positions, indices, displacements and influences copied per frame.
+/// The number of positions, indices, displacements and influences copied per frame of 1/60 s.
 const COPIED_PER_FRAME: usize = 1 << 17;
 
 impl MorphTrees {
@@ -168,10 +173,12 @@ pub(crate) fn follow_asset_events(
     mut trees: ResMut<MorphTrees>,
     options: Res<DefaultMorphTreeSettings>,
     meshes: Res<Assets<Mesh>>,
+    time: Option<Res<Time<Real>>>,
     complaints: Complaints,
 ) {
-    trees.bypass_change_detection().left = COPIED_PER_FRAME;
-    trees.background.turns.begin_frame();
+    let pace = pace(time.map_or(Duration::ZERO, |time| time.delta()));
+    trees.bypass_change_detection().left = (COPIED_PER_FRAME as f64 * pace) as usize;
+    trees.background.turns.begin_frame(pace);
     for event in events.read() {
         let trees = &mut *trees;
         match *event {

@@ -15,8 +15,10 @@ use bevy::platform::time::Instant;
 use bevy::tasks::futures_lite::future::yield_now;
 use morph_collision::{BuildOptions, MorphBvh, MorphBvhBuilder, MorphModel};
 
-/// How long all tasks together may delay a frame. They stop after the step that exceeds it.
+/// How long all tasks together may delay a frame of 1/60 s. They stop after the step that exceeds it.
 const PER_FRAME: Duration = Duration::from_millis(4);
+/// The longest frame, in units of 1/60 s, that lets them do more.
+const LONGEST_FRAME: f64 = 12.0;
 
 /// Shared by all tasks.
 #[derive(Clone)]
@@ -31,7 +33,8 @@ struct Shared {
 #[derive(Default)]
 struct State {
     frame: u64,
-    /// How long tasks have delayed this frame.
+    /// How long tasks may delay this frame, and how long they have.
+    allowed: Duration,
     spent: Duration,
     waiting: Vec<Waker>,
 }
@@ -48,7 +51,10 @@ impl Turns {
         Self(Arc::new(Shared {
             frames_thread: thread::current().id(),
             per_frame,
-            state: Mutex::default(),
+            state: Mutex::new(State {
+                allowed: per_frame,
+                ..State::default()
+            }),
         }))
     }
 
@@ -56,11 +62,12 @@ impl Turns {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Wakes up all tasks that wait for a frame.
-    pub(super) fn begin_frame(&self) {
+    /// Wakes up all tasks that wait for a frame. `pace` is how many times as long as usual they may delay it.
+    pub(super) fn begin_frame(&self, pace: f64) {
         let woken = {
             let mut state = self.state();
             state.frame += 1;
+            state.allowed = self.0.per_frame.mul_f64(pace);
             state.spent = Duration::ZERO;
             std::mem::take(&mut state.waiting)
         };
@@ -75,7 +82,7 @@ impl Turns {
         let frame = {
             let mut state = self.state();
             state.spent += took;
-            (state.spent >= self.0.per_frame).then_some(state.frame)
+            (state.spent >= state.allowed).then_some(state.frame)
         };
         let Some(frame) = frame else { return yield_now().await };
         poll_fn(|context| {
@@ -101,6 +108,11 @@ impl Turns {
             self.after_step(start.elapsed()).await;
         }
     }
+}
+
+/// How many frames of 1/60 s the last one was as long as. If frames are slow anyway, loading must not take as many of them.
+pub(super) fn pace(last_frame: Duration) -> f64 {
+    (60.0 * last_frame.as_secs_f64()).clamp(1.0, LONGEST_FRAME)
 }
 
 #[cfg(test)]
@@ -151,7 +163,7 @@ mod tests {
             // It does nothing more in this frame, and is not woken up to try.
             assert!(task.as_mut().poll(&mut context).is_pending());
             assert_eq!(woken.0.swap(0, Ordering::Relaxed), 0);
-            turns.begin_frame();
+            turns.begin_frame(1.0);
             assert!(woken.0.swap(0, Ordering::Relaxed) >= 1, "the frame wakes it");
             frames += 1;
         };
@@ -187,7 +199,13 @@ mod tests {
             step.as_mut().poll(&mut context).is_ready() || step.as_mut().poll(&mut context).is_ready()
         };
         assert_eq!([1, 1, 1, 1, 0].map(&mut is_ready), [true, true, true, false, false]);
-        turns.begin_frame();
+        turns.begin_frame(1.0);
         assert_eq!([3, 2].map(&mut is_ready), [true, false]);
+        // The last frame took twice as long as usual.
+        turns.begin_frame(pace(Duration::from_secs(1) / 30));
+        assert_eq!([3, 2, 4].map(&mut is_ready), [true, true, false]);
+        turns.begin_frame(pace(Duration::ZERO));
+        assert_eq!([4].map(&mut is_ready), [false]);
+        assert_eq!(pace(Duration::from_secs(100)), LONGEST_FRAME);
     }
 }

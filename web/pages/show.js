@@ -4,7 +4,7 @@ import { lacking, load } from "./load.js";
 import { Weights } from "./weights.js";
 
 const main = document.querySelector("main");
-/** Keys that all shows have: what they are called in the program and on the page, and what they do. */
+/** Keys that all shows have: what they are called in the program (several are held together) and on the page, and what they do. */
 const KEYS = [
   // Where the show needs Space for something else, another key pauses.
   document.body.dataset.pause === "P" ? ["KeyP", "P", "Pause"] : ["Space", "Space", "Pause"],
@@ -12,7 +12,8 @@ const KEYS = [
   ["Minus", "−", "Slower"],
   ["Equal", "=", "Faster"],
   ["KeyT", "T", "Touching triangles"],
-  ["KeyV", "V", "Boxes"],
+  ["KeyV", "V", "Boxes, a level down"],
+  ["ShiftLeft KeyV", "Shift V", "Up"],
 ];
 /** And those of this show: data-keys="KeyX X Remove the pins; ...". */
 const OWN_KEYS = (document.body.dataset.keys ?? "").split(";").filter(Boolean).map((line) => {
@@ -36,9 +37,13 @@ canvas.focus = () => HTMLElement.prototype.focus.call(canvas, { preventScroll: t
 
 // A button holds its key as long as it is pressed itself, so that all keys can be used without a keyboard.
 for (const button of main.querySelectorAll(".keys button")) {
-  const { code } = button.dataset;
-  const key = code.replace(/^Key/, "").toLowerCase();
-  const send = (type) => canvas.dispatchEvent(new KeyboardEvent(type, { code, key, bubbles: true }));
+  const codes = button.dataset.code.split(" ");
+  const send = (type) => {
+    for (const code of type === "keydown" ? codes : codes.toReversed()) {
+      const key = code === "ShiftLeft" ? "Shift" : code.replace(/^Key/, "").toLowerCase();
+      canvas.dispatchEvent(new KeyboardEvent(type, { code, key, bubbles: true }));
+    }
+  };
   button.addEventListener("pointerdown", () => send("keydown"));
   // The focus stays on the canvas: a program that loses it releases all its keys.
   button.addEventListener("mousedown", (event) => event.preventDefault());

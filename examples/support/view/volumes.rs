@@ -31,7 +31,9 @@ fn step_by_key(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigSto
     if !keys.just_pressed(KeyCode::KeyV) {
         return;
     }
-    let higher = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    // In a slow frame, both may have been released already.
+    let shift = [KeyCode::ShiftLeft, KeyCode::ShiftRight];
+    let higher = keys.any_pressed(shift) || keys.any_just_pressed(shift);
     let next = match (level(&store), higher) {
         (None, false) => Some(0),
         (None | Some(0), true) => None,

@@ -350,9 +350,10 @@ fn a_large_mesh_is_copied_a_part_in_each_frame() {
 
 #[test]
 fn slow_frames_copy_larger_parts() {
-    let lifts = copied_in_frames_of(Duration::from_secs(1) / 20);
+    let lifts = copied_in_frames_of(Duration::from_secs(1) / 10);
+    // Up to six times as much, less what the copying itself takes.
     let most = most_in_a_frame(&lifts);
-    assert!((2 << 17..=(3 << 17) + 20_000).contains(&most), "{lifts:?}");
+    assert!((2 << 17..=(6 << 17) + 20_000).contains(&most), "{lifts:?}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::page::{self, Hand, Told};
+use morph_collision_workspace::view::sliders::Sliders;
 use morph_collision_workspace::view::stage::StageCamera;
 
 use crate::support::{alone, frame, offscreen};
@@ -54,6 +55,7 @@ fn a_page_sets_weights_and_gives_them_back() {
     hand.set(Some(by_hand.clone()));
     show.advance(2);
     assert_eq!(told.now().weights, by_hand);
+    assert!(told.now().in_hand);
     let models = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
         weights.iter().map(|weights| weights.weights().to_vec()).collect()
     };
@@ -65,6 +67,13 @@ fn a_page_sets_weights_and_gives_them_back() {
     hand.set(None);
     show.advance(2);
     assert_ne!(told.now().weights, by_hand);
+    // Another model takes the place of the one that they are for.
+    hand.set(Some(by_hand));
+    show.advance(2);
+    show.app_mut().insert_resource(Sliders::default());
+    show.advance(2);
+    assert!(!told.now().in_hand);
+    assert_eq!(told.now().targets, own.targets);
 }
 
 /// The materials of all models that can be clicked.

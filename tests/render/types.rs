@@ -36,7 +36,7 @@ const CAMERAS_AND_LIGHTS: &str = r#"{
 fn spawned(file: &Path, registry: Option<AppTypeRegistry>) -> Vec<(String, Vec<String>)> {
     let mut app = without_collisions(file.parent().unwrap());
     if let Some(registry) = registry {
-        // Of what plugins registered, assets' handles and the like stay.
+        // This also removes what plugins registered; handles of meshes are needed again.
         app.insert_resource(registry);
         app.register_type::<Handle<Mesh>>();
     }

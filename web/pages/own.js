@@ -21,7 +21,6 @@ async function bring(name, read) {
   // The message is painted before the work begins; and a show that has not begun would end with a file that is no good.
   do await new Promise((then) => setTimeout(then, 50)); while (!show.state().started && !show.trouble);
   before = show.state().model.number;
-  show.weights.release();
   show.stage.bring(name, bytes);
 }
 

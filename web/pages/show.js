@@ -13,7 +13,7 @@ const KEYS = [
   ["Equal", "=", "Faster"],
   ["KeyT", "T", "Touching triangles"],
   ["KeyV", "V", "Boxes, a level down"],
-  ["ShiftLeft KeyV", "Shift V", "Up"],
+  ["ShiftLeft KeyV", "Shift V", "Boxes, a level up"],
 ];
 /** And those of this show: data-keys="KeyX X Remove the pins; ...". */
 const OWN_KEYS = (document.body.dataset.keys ?? "").split(";").filter(Boolean).map((line) => {
@@ -23,7 +23,7 @@ const OWN_KEYS = (document.body.dataset.keys ?? "").split(";").filter(Boolean).m
 const keyButton = ([code, key, words]) => `<button type="button" data-code="${code}">${words} <kbd>${key}</kbd></button>`;
 main.insertAdjacentHTML("afterbegin", `
   <div class="stage">
-    <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the buttons below it have its keys."></canvas>
+    <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the buttons below it stand for its keys."></canvas>
     <div class="cover"><p class="what" role="status">Loading</p><progress></progress></div>
   </div>
   <div class="keys" role="group" aria-label="Keys of the show">${[...OWN_KEYS, ...KEYS].map(keyButton).join("")}</div>
@@ -56,12 +56,11 @@ for (const button of main.querySelectorAll(".keys button")) {
   });
 }
 
-const weights = new Weights(main, (weights) => show.stage?.weigh(weights));
+const weights = new Weights(main, { state: () => show.state(), give: (weights) => show.stage?.weigh(weights) });
 
 /** What a test, or a curious user, may ask. */
 export const show = {
   stage: null,
-  weights,
   /** Why there is nothing to be seen, or null. */
   trouble: null,
   state: () => (show.stage ? JSON.parse(show.stage.state()) : null),
@@ -115,7 +114,8 @@ async function start() {
 
 function tell(state, rate) {
   weights.show(state);
-  const pace = state.paused ? "paused" : state.speed === 1 ? "" : `speed ${state.speed}`;
+  main.querySelector("[data-code=KeyT]").setAttribute("aria-pressed", String(state.touching_drawn));
+  const pace = !state.started ? "" : state.paused ? "paused" : state.speed === 1 ? "" : `speed ${state.speed}`;
   const lines = [
     ["frame", [Math.round(state.frame), pace].filter(String).join(", ")],
     ["frames per second", rate.toFixed(rate < 10 ? 1 : 0)],

@@ -45,6 +45,10 @@ pub struct State {
     pub targets: Vec<String>,
     /// See there.
     pub weights: Vec<f32>,
+    /// Whether the page has set them.
+    pub in_hand: bool,
+    /// Whether touching triangles are drawn.
+    pub touching_drawn: bool,
     /// What it counts and how long that takes: a name and a value in each line.
     pub counts: Vec<(&'static str, String)>,
     /// Values that the show itself reports.
@@ -74,7 +78,7 @@ impl Told {
 pub struct Hand(Arc<Mutex<Option<Vec<f32>>>>);
 
 impl Hand {
-    /// From the next frame on, all models have these weights; `None` gives them back their own.
+    /// From the next frame on, all models have these weights, one for each of the state's targets; `None` gives them back their own.
     pub fn set(&self, weights: Option<Vec<f32>>) {
         *self.lock() = weights;
     }
@@ -93,7 +97,14 @@ pub fn plugin(app: &mut App) {
 }
 
 fn take(hand: Res<Hand>, mut sliders: ResMut<Sliders>) {
-    let weights = hand.lock();
+    let mut weights = hand.lock();
+    // Another model has replaced theirs.
+    if weights
+        .as_ref()
+        .is_some_and(|weights| weights.len() != sliders.weights.len())
+    {
+        *weights = None;
+    }
     sliders.in_hand = weights.is_some();
     for (slider, &weight) in sliders.weights.iter_mut().zip(weights.iter().flatten()) {
         slider.1 = weight;
@@ -129,6 +140,8 @@ fn tell(
         volumes: volumes::level(&store),
         targets: sliders.weights.iter().map(|(name, _)| name.clone()).collect(),
         weights: sliders.weights.iter().map(|&(_, weight)| weight).collect(),
+        in_hand: sliders.in_hand,
+        touching_drawn: overlay.shown,
         counts: [counts::work(&diagnostics), counts::times(&diagnostics, &real)].concat(),
         notes: notes.0.clone(),
         trouble: trouble.map(|trouble| trouble.0.clone()),

@@ -1,7 +1,7 @@
 //! The types that a glTF scene is made of.
 //!
 //! Bevy copies a scene into the world by reflection, so it needs to know these. With its feature `reflect_auto_register` it knows all types
-//! there are, but then a third of a web program is code that nothing calls.
+//! there are, but then a web program is larger by 1 MB with gzip.
 
 use bevy::animation::{AnimatedBy, AnimationTargetId};
 use bevy::camera::primitives::{Aabb, CascadesFrusta, CubemapFrusta, Frustum};

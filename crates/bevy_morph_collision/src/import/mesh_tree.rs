@@ -109,7 +109,10 @@ impl MeshTree {
         complaints: &Complaints,
     ) {
         let Work::Reading(data) = &mut self.work else { return };
-        match data.copy(mesh, left) {
+        let start = Instant::now();
+        let copied = data.copy(mesh, left);
+        background.turns.spend(start.elapsed());
+        match copied {
             Ok(false) => {}
             Ok(true) => {
                 if let Work::Reading(data) = std::mem::replace(&mut self.work, Work::None) {

@@ -14,7 +14,6 @@ use super::mesh_data::ImportError;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
 use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
-use super::turns::pace;
 
 /// The collision trees of all meshes that a collider has requested.
 ///
@@ -23,17 +22,17 @@ use super::turns::pace;
 /// use, and per number of joints of the [`SkinnedMesh`] with which it is shown. An unused tree is dropped as soon as something
 /// uses another tree of the same mesh. The last trees of a mesh are kept for later spawns until the mesh asset is removed.
 ///
-/// Only systems can access Bevy's meshes, so meshes are copied on the main thread: at most 131,072 positions, indices,
-/// displacements and joint influences per frame, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52
-/// targets takes 12 frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens
+/// Only systems can access Bevy's meshes, so meshes are copied on the main thread: in a frame of 1/60 s, at most 131,072 positions,
+/// indices, displacements and joint influences, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52
+/// targets takes 12 such frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens
 /// in the background.
 ///
-/// If tasks share the main thread, as on the web, all of them together take 4 ms per frame plus at most one step. A step takes
+/// If tasks share the main thread, as on the web, all of them together take 4 ms of such a frame plus at most one step. A step takes
 /// about a millisecond, but a mesh is checked and welded in a single step, which takes tens of milliseconds for the largest
 /// faces.
 ///
-/// If the last frame took longer than 1/60 s, copies and tasks may take as many times longer, but at most twelve times. So a
-/// model does not take longer to get ready where frames are slow.
+/// If the last frame took longer than 1/60 s for other reasons, both may do more in the same proportion, up to twelve times as
+/// much. So a model gets ready about as fast where frames are slow.
 #[derive(Resource, Reflect, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphTrees {
@@ -176,9 +175,9 @@ pub(crate) fn follow_asset_events(
     time: Option<Res<Time<Real>>>,
     complaints: Complaints,
 ) {
-    let pace = pace(time.map_or(Duration::ZERO, |time| time.delta()));
+    let last_frame = time.map_or(Duration::ZERO, |time| time.delta());
+    let pace = trees.background.turns.begin_frame(last_frame);
     trees.bypass_change_detection().left = (COPIED_PER_FRAME as f64 * pace) as usize;
-    trees.background.turns.begin_frame(pace);
     for event in events.read() {
         let trees = &mut *trees;
         match *event {

@@ -15,7 +15,7 @@ use bevy::platform::time::Instant;
 use bevy::tasks::futures_lite::future::yield_now;
 use morph_collision::{BuildOptions, MorphBvh, MorphBvhBuilder, MorphModel};
 
-/// How long all tasks together may delay a frame of 1/60 s. They stop after the step that exceeds it.
+/// How long copies and tasks together may delay a frame of 1/60 s. Tasks stop after the step that exceeds it.
 const PER_FRAME: Duration = Duration::from_millis(4);
 /// The longest frame, in units of 1/60 s, that lets them do more.
 const LONGEST_FRAME: f64 = 12.0;
@@ -33,7 +33,7 @@ struct Shared {
 #[derive(Default)]
 struct State {
     frame: u64,
-    /// How long tasks may delay this frame, and how long they have.
+    /// How long copies and tasks may delay this frame, and how long they have.
     allowed: Duration,
     spent: Duration,
     waiting: Vec<Waker>,
@@ -62,16 +62,24 @@ impl Turns {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Wakes up all tasks that wait for a frame. `pace` is how many times as long as usual they may delay it.
-    pub(super) fn begin_frame(&self, pace: f64) {
-        let woken = {
+    /// Wakes up all tasks that wait for a frame. Returns how many times as much as usual they and copies may do in it, because the
+    /// last frame was slow for other reasons.
+    pub(super) fn begin_frame(&self, last_frame: Duration) -> f64 {
+        let (woken, pace) = {
             let mut state = self.state();
+            let pace = pace(last_frame.saturating_sub(state.spent));
             state.frame += 1;
             state.allowed = self.0.per_frame.mul_f64(pace);
             state.spent = Duration::ZERO;
-            std::mem::take(&mut state.waiting)
+            (std::mem::take(&mut state.waiting), pace)
         };
         woken.into_iter().for_each(Waker::wake);
+        pace
+    }
+
+    /// Counts time that the main thread spent on copies.
+    pub(super) fn spend(&self, took: Duration) {
+        self.state().spent += took;
     }
 
     /// Yields after a step of work.
@@ -110,9 +118,10 @@ impl Turns {
     }
 }
 
-/// How many frames of 1/60 s the last one was as long as. If frames are slow anyway, loading must not take as many of them.
-pub(super) fn pace(last_frame: Duration) -> f64 {
-    (60.0 * last_frame.as_secs_f64()).clamp(1.0, LONGEST_FRAME)
+/// The length of a frame in units of 1/60 s, from 1 to `LONGEST_FRAME`. Where frames are slow, loading does more in each, so that it takes
+/// about as long.
+fn pace(frame: Duration) -> f64 {
+    (60.0 * frame.as_secs_f64()).clamp(1.0, LONGEST_FRAME)
 }
 
 #[cfg(test)]
@@ -163,7 +172,7 @@ mod tests {
             // It does nothing more in this frame, and is not woken up to try.
             assert!(task.as_mut().poll(&mut context).is_pending());
             assert_eq!(woken.0.swap(0, Ordering::Relaxed), 0);
-            turns.begin_frame(1.0);
+            turns.begin_frame(Duration::ZERO);
             assert!(woken.0.swap(0, Ordering::Relaxed) >= 1, "the frame wakes it");
             frames += 1;
         };
@@ -199,13 +208,15 @@ mod tests {
             step.as_mut().poll(&mut context).is_ready() || step.as_mut().poll(&mut context).is_ready()
         };
         assert_eq!([1, 1, 1, 1, 0].map(&mut is_ready), [true, true, true, false, false]);
-        turns.begin_frame(1.0);
+        turns.begin_frame(Duration::ZERO);
         assert_eq!([3, 2].map(&mut is_ready), [true, false]);
-        // The last frame took twice as long as usual.
-        turns.begin_frame(pace(Duration::from_secs(1) / 30));
+        // The last frame took twice as long as usual, without what was done for tasks.
+        turns.begin_frame(Duration::from_secs(1) / 30 + Duration::from_millis(5));
         assert_eq!([3, 2, 4].map(&mut is_ready), [true, true, false]);
-        turns.begin_frame(pace(Duration::ZERO));
+        // It was slow only because of that, and because of copies.
+        turns.spend(Duration::from_millis(80));
+        assert_eq!(turns.begin_frame(Duration::from_millis(100)), 1.0);
         assert_eq!([4].map(&mut is_ready), [false]);
-        assert_eq!(pace(Duration::from_secs(100)), LONGEST_FRAME);
+        assert_eq!(turns.begin_frame(Duration::from_secs(100)), LONGEST_FRAME);
     }
 }

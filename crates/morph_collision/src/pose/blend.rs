@@ -22,7 +22,7 @@ pub(super) const FEW: usize = 8;
 pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) -> f32 {
     let (widening, reach) = evaluate(simd, tables, weights, boxes);
     boxes.widen(simd, widening);
-    // The factor covers the outward rounding of the intervals, below 2^-7, and the widening, below 1.3e-2.
+    // With 65,535 targets, the reach itself rounds by 0.4 %, the boxes by 0.8 %, and the widening is 1.2 %.
     reach * (1.0 + 2.5e-2)
 }
 

@@ -11,9 +11,9 @@
 //! - `X_k` moves the end to that of the target's reference box, which is the paper's blending (Eq. 3).
 //! - `I_k` moves the end by the extreme displacement. This is interval arithmetic, which costs no budget and holds for any weights.
 //!
-//! Every slope is rounded outward. Intervals are stored in half as many bits, because a box needs them only for what the budget does not cover.
-//! Spending the budget is a fractional knapsack problem, so the targets of a group are sorted by how
-//! much tighter the reference is than the interval.
+//! Every slope is rounded outward. Intervals are stored in half as many bits, because a box needs them only for what the budget does
+//! not cover. Spending the budget is a fractional knapsack problem, so the targets of a group are sorted by how much tighter the
+//! reference is than the interval.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ use crate::bounds::{Aabb, BoxLanes, LANES, intervals_len, push_intervals, push_s
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalTarget {
     pub(crate) target: u16,
-    /// The largest absolute displacement in the group.
+    /// The largest absolute end of an interval in the group; no displacement is larger.
     pub(crate) reach: f32,
 }
 
@@ -141,9 +141,10 @@ impl Tables {
             .targets
             .iter()
             .map(|of_target| {
+                let interval = of_target.displacement.outward().coarse();
                 let local = LocalTarget {
                     target: of_target.target,
-                    reach: of_target.displacement.reach() as f32,
+                    reach: interval.magnitude().max_element(),
                 };
                 Column::new(local, children, &bases)
             })
@@ -167,7 +168,7 @@ impl Tables {
         for (lane, base) in bases.iter().enumerate() {
             header.base.set(lane, base);
         }
-        // The conversion is exact, here and above: reaches are coordinates of the mesh.
+        // The conversion is exact: it is a coordinate of the mesh.
         header.base_reach = whole.base.reach() as f32;
         header.targets = targets..self.targets.len();
         header.references = references;

@@ -52,9 +52,11 @@ pub(super) fn validate(bvh: &MorphBvh) {
     for group in 0..topology.group_count() {
         let tables = bvh.tables.group(group);
         let base = tables.base.min.iter().chain(&tables.base.max).flat_map(|row| row.0);
-        assert!(
-            tables.references.iter().copied().chain(base).all(f32::is_finite),
-            "the tables of group {group}"
-        );
+        let intervals = tables
+            .intervals
+            .iter()
+            .flat_map(|word| [word & 0xffff_0000, word << 16]);
+        let slopes = tables.references.iter().copied().chain(intervals.map(f32::from_bits));
+        assert!(slopes.chain(base).all(f32::is_finite), "the tables of group {group}");
     }
 }

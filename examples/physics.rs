@@ -129,7 +129,7 @@ fn begin(game: Game) -> Result<App, ExampleError> {
 pub fn show(game: Game) -> Show {
     Show {
         name: "physics",
-        about: "A hill from a glTF file heaves as its clip says: it carries who walks on it, and throws what falls on it. \
+        about: "A hill rises and falls with a clip from a glTF file: it carries who walks on it, and throws what falls on it. \
             Physics in fixed steps, by Rapier.",
         keys: &[
             ("W A S D, arrows", "walk; alone, it walks by itself"),

@@ -4,8 +4,8 @@ import { lacking } from "./load.js";
 
 const OPTIONS = [
   ["pairs", "pairs of targets", "Also tries all pairs of targets, each at 0.5 and 1. Takes long if there are many targets."],
-  ["suggest", "limits for sliders", "Searches the largest weight of each target that does not clip."],
-  ["prove", "proof for all weights", "Also proves which pairs of triangles touch for no weights from 0 to 1. Not for skinned meshes."],
+  ["suggest", "limits for sliders", "Finds the largest weight of each target that does not clip."],
+  ["prove", "proof for all weights", "Also proves which pairs of triangles never touch for any weights from 0 to 1. Not for skinned meshes."],
 ];
 
 export class Panel {

@@ -78,7 +78,7 @@ function stop(trouble) {
 
 addEventListener("error", (event) => stop(`The program has stopped: ${event.message}. Reload the page to start again.`));
 addEventListener("unhandledrejection", (event) => stop(`The program has stopped: ${event.reason?.message ?? event.reason}. Reload the page to start again.`));
-canvas.addEventListener("webglcontextlost", () => stop("The graphics card was taken away. Reload the page to start again."));
+canvas.addEventListener("webglcontextlost", () => stop("The browser lost access to the graphics card. Reload the page to start again."));
 
 /** Starts the show; what it counts is told as long as it runs. */
 async function start() {

@@ -60,7 +60,7 @@ pub struct MorphCollider {
     /// All other changes, such as of the mesh, layers, mode or body, take effect immediately.
     pub tolerance: f32,
     /// Whether pairs of this collider are also compared on the way from where they were in the last run to where they are now. Then
-    /// what is fast, such as a bullet or a slap at a low frame rate, cannot pass through others unnoticed.
+    /// fast motion, such as a bullet or a slap at a low frame rate, cannot go through others unnoticed.
     ///
     /// It is enough if one of two colliders is continuous; the motion of both counts. In between, every vertex moves on a straight
     /// line in the world. [`MorphContact::impact`](crate::MorphContact::impact) tells when and where a contact began. A contact that

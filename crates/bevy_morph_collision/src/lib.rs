@@ -63,7 +63,7 @@
 //!
 //! ## Find out what touches
 //!
-//! [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`] come once for each two bodies, however many of their colliders touch:
+//! [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`] come once per pair of bodies, however many of their colliders touch:
 //! as messages, and to observers of the bodies. [`MorphCollisionStart`] and [`MorphCollisionEnd`] report every pair of colliders.
 //! Between these events, [`MorphCollidingEntities`] lists what an entity touches, and [`MorphCollisions`] has the contacts:
 //!
@@ -139,7 +139,7 @@
 //!
 //! A mesh has joints if it has `Mesh::ATTRIBUTE_JOINT_INDEX` and `Mesh::ATTRIBUTE_JOINT_WEIGHT` and its entity has
 //! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). The propagated `GlobalTransform`s of its joints and the inverse bind poses
-//! place it; see [`MorphCollider`] for missing or bad joints. All joints count, while on targets without storage buffers (WebGL
+//! place it; see [`MorphCollider`] for missing or bad joints. All joints count, while on platforms without storage buffers (WebGL
 //! 2) Bevy draws only the first 256 joints of a skeleton correctly.
 //!
 //! # The pipeline

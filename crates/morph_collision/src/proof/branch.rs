@@ -12,7 +12,7 @@ const DIRECTIONS: usize = 12;
 /// What is known of two triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Decision {
-    /// They touch for no weights in the box. `boxes` parts of it were looked at.
+    /// They never touch for any weights in the box. `boxes` parts of it were looked at.
     Free {
         boxes: u32,
     },

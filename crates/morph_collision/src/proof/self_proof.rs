@@ -15,7 +15,7 @@ const PARTS: usize = 256;
 /// all of it counts as open.
 const MAX_OPEN: usize = 1 << 22;
 
-/// Proves which triangles of a mesh touch for no weights in a box. Skinned meshes have no such proof.
+/// Proves which triangles of a mesh never touch for any weights in a box. Skinned meshes have no such proof.
 ///
 /// The proof is about the posed vertices that every query sees, rounding included, so it cannot contradict a
 /// [`SelfQuery`](crate::SelfQuery). Triangles that share a vertex are left out, as there.

@@ -11,7 +11,7 @@ use crate::bounds::lanes_of;
 use crate::input_error::InputError;
 use crate::model::WeightBox;
 
-/// Which pairs of a mesh's triangles are proved to touch for no weights in a box.
+/// Which pairs of a mesh's triangles are proved never to touch for any weights in a box.
 ///
 /// While the weights are in the box, a [`SelfQuery`](crate::SelfQuery) leaves these pairs out. It finds the same pairs in the same order, but
 /// most leaves of the tree are not even blended. With any weight outside the box, also one that overshoots by a rounding, it works as without

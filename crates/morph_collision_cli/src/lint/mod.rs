@@ -109,7 +109,7 @@ pub(crate) struct LintArgs {
     /// The mesh of --garment: its index in the file, or its name; 0 by default.
     #[arg(long, value_name = "MESH", requires = "garment")]
     garment_mesh: Option<MeshChoice>,
-    /// Also prove which pairs of triangles touch for no weights from 0 to 1, and report the weights that the proof comes across otherwise.
+    /// Also prove which pairs of triangles never touch for any weights from 0 to 1, and report the weights that the proof comes across otherwise.
     ///
     /// Skinned meshes have no proof.
     #[arg(long)]

@@ -117,10 +117,11 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
 const IF_TOO_MUCH: &str = "\
 ## If a flip-book takes too much memory
 
-For each triangle that it moves, a target takes about 6 bytes in the model and 7 in the tree, however small the movement. A flip-book, in which every
-target moves every vertex, can take less in four ways:
+For each triangle that it moves, a target takes about 6 bytes in the model and 6 in the tree, however small the movement. In a flip-book, every
+target moves every vertex. There are four ways to make one smaller:
 
-- **Fewer targets.** Weights blend between neighbouring frames, so a clip often looks the same with half of them.
+- **Fewer targets.** Weights blend between neighbouring frames, so a clip often looks the same with every second frame. (With eight targets or
+  fewer, the tree also stores the corners of triangles side by side, which takes more memory and less time.)
 - **Fewer triangles.** Draw the detailed mesh, and collide with a coarse one whose targets have the same order and receive the same weights.
 - **One mesh for each clip**, loaded only while it is played.
 - **Joints instead of targets.** A skinned mesh takes no more memory for more clips (the walkers above).

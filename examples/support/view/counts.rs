@@ -34,12 +34,9 @@ pub(super) fn work(diagnostics: &MorphCollisionDiagnostics) -> Lines {
 
 /// How long the plugin's part of the frame took, and the whole frame.
 pub(super) fn times(diagnostics: &MorphCollisionDiagnostics, real: &Time<Real>) -> Lines {
-    let milliseconds = |seconds: f64| seconds * 1e3;
+    let (collision, frame) = (diagnostics.duration.as_secs_f64(), real.delta_secs_f64());
     vec![
-        (
-            "collision time",
-            format!("{:.2} ms", milliseconds(diagnostics.duration.as_secs_f64())),
-        ),
-        ("frame time", format!("{:.1} ms", milliseconds(real.delta_secs_f64()))),
+        ("collision time", format!("{:.2} ms", 1e3 * collision)),
+        ("frame time", format!("{:.1} ms", 1e3 * frame)),
     ]
 }

@@ -41,11 +41,11 @@ pub struct State {
     pub speed: f32,
     /// The level of the bounding volumes that are drawn, if any are.
     pub volumes: Option<usize>,
-    /// The names and weights of the targets of the model with the most targets.
+    /// The names of the targets of the model with the most targets.
     pub targets: Vec<String>,
-    /// See there.
+    /// The weights of these targets.
     pub weights: Vec<f32>,
-    /// Whether the page has set them.
+    /// Whether the page has set the weights.
     pub in_hand: bool,
     /// Whether touching triangles are drawn.
     pub touching_drawn: bool,

@@ -41,7 +41,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(EguiPrimaryContextPass, panel);
 }
 
-/// Uses one font for everything.
+/// Uses one font for everything: egui is built without any.
 fn set_fonts(added: On<Add<EguiContext>>, mut contexts: Query<&mut EguiContext>) {
     let name = "Ubuntu-Light";
     let mut fonts = FontDefinitions::empty();

@@ -43,8 +43,8 @@ pub struct MorphSelfCollisions {
     /// Whether to report also pairs of triangles that intersect at rest, with all weights 0 and joints as they were bound. By
     /// default they are left out: eyes lie in their sockets, and hair reaches into the scalp.
     pub include_rest: bool,
-    /// Whether to prove in the background which triangles never touch for any weights from 0 to 1, and to leave them out from then on, while all
-    /// weights are in that range. Reports stay the same.
+    /// Whether to prove in the background which triangles never touch for any weights from 0 to 1, and to leave them out from then
+    /// on, while all weights are in that range. Reports stay the same.
     ///
     /// A talking head then takes two thirds of the time per run, a body whose face talks a fifth. The proof takes a thread several seconds,
     /// once for each mesh, and about 56 bytes for each node of the tree and target that moves it while it runs. It does nothing for skinned

@@ -12,6 +12,7 @@ mod compressed;
 mod continuous;
 #[cfg(feature = "render")]
 mod cookbook;
+mod copying;
 mod dolphins;
 mod drawn;
 mod events;

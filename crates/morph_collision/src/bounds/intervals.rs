@@ -10,9 +10,9 @@ const UPPER_HALF: u32 = 0xffff_0000;
 
 /// Between which displacements a target moves the points of a node's `W` children: a row of `W` words per axis.
 ///
-/// A word has the upper halves of two `f32`: of the interval's lower end, then of its upper end. They are rounded outward, which moves an
-/// end by less than 2^-7 of it, or by 2^-133 if it is subnormal. Rows are stored without gaps and read eight lanes wide. Lanes without a child get
-/// meaningless numbers; callers mask them out.
+/// A word has the upper halves of two `f32`: of the interval's lower end, then of its upper end. They are rounded outward, which
+/// moves an end by less than 2^-7 of it, or by less than 2^-133 if it is subnormal. Rows are stored without gaps and read eight lanes
+/// wide. Lanes without a child get meaningless numbers; callers mask them out.
 #[derive(Clone, Copy)]
 pub(crate) struct Intervals<'a, const W: usize>(&'a [u32]);
 

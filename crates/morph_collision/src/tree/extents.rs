@@ -31,6 +31,13 @@ pub(super) struct TargetExtents {
     pub(super) reference: Extent,
 }
 
+impl TargetExtents {
+    /// The interval of the displacements, as tables store it.
+    pub(super) fn interval(&self) -> Aabb {
+        self.displacement.outward().coarse()
+    }
+}
+
 /// Everything from which a node's box is computed.
 #[derive(Clone, Debug)]
 pub(super) struct NodeExtents {

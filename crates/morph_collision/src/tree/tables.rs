@@ -141,10 +141,9 @@ impl Tables {
             .targets
             .iter()
             .map(|of_target| {
-                let interval = of_target.displacement.outward().coarse();
                 let local = LocalTarget {
                     target: of_target.target,
-                    reach: interval.magnitude().max_element(),
+                    reach: of_target.interval().magnitude().max_element(),
                 };
                 Column::new(local, children, &bases)
             })
@@ -195,8 +194,7 @@ impl Column {
         };
         for (lane, (child, base)) in children.iter().zip(bases).enumerate() {
             if let Some(extents) = child.under(local.target) {
-                let interval = extents.displacement.outward().coarse();
-                let reference = extents.reference.slope_from(base);
+                let (interval, reference) = (extents.interval(), extents.reference.slope_from(base));
                 (column.interval[lane], column.reference[lane]) = (interval, reference);
                 column.gain += looseness(&interval) - looseness(&reference);
             }

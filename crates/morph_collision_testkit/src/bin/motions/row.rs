@@ -25,7 +25,7 @@ pub(super) struct Row {
     /// Intervals that are wider than the tolerance although their ends are not neighbours, or longer than 0 at a contact at the start.
     too_wide: u64,
     truth: Times,
-    library: Times,
+    ours: Times,
     first_wrong: Option<(u64, String)>,
 }
 
@@ -75,7 +75,7 @@ impl Row {
             self.too_wide,
             self.wrong_records,
             self.truth.columns(self.motions),
-            self.library.columns(self.motions),
+            self.ours.columns(self.motions),
         );
         if let Some((index, text)) = &self.first_wrong {
             println!("\nfirst that is wrong: {index}: {text}\n");
@@ -90,7 +90,7 @@ impl Row {
 
         let tolerance = TOLERANCES[index as usize % TOLERANCES.len()];
         let (touches, impact) = self
-            .library
+            .ours
             .measure(|| (core::touches(motion), core::impact(motion, tolerance)));
         let wrong_record = recorded.is_some_and(|recorded| recorded != first.is_some());
         let differs = touches != first.is_some() || impact.is_some() != first.is_some();
@@ -120,7 +120,7 @@ impl Row {
         self.wrong_intervals += other.wrong_intervals;
         self.too_wide += other.too_wide;
         self.truth.add(other.truth);
-        self.library.add(other.library);
+        self.ours.add(other.ours);
         let wrong = [self.first_wrong.take(), other.first_wrong];
         self.first_wrong = wrong.into_iter().flatten().min();
     }

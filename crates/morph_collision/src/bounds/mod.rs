@@ -12,6 +12,7 @@ mod inverse;
 mod joint_map;
 mod kernel;
 mod lanes;
+mod moving_extent;
 mod moving_lanes;
 #[cfg(test)]
 mod probe;
@@ -31,6 +32,7 @@ pub(crate) use joint_map::{Ends, JointMap, MapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};
+pub(crate) use moving_extent::{MovingExtent, first_overlap};
 pub(crate) use moving_lanes::MovingLanes;
 #[cfg(test)]
 pub(crate) use probe::{ExactPoint, adjugate, exact_image, holds, lack, levels};

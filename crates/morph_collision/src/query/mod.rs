@@ -27,6 +27,7 @@ mod capped;
 mod collapsed;
 mod contact;
 mod distance;
+mod distinct_triangles;
 mod input;
 mod leaves;
 mod memory;

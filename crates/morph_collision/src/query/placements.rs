@@ -30,9 +30,15 @@ impl Placements<'_> {
     /// rounding is not small compared with their size. Culling is then useless.
     #[inline]
     pub(super) fn are_collapsed(&self) -> bool {
+        Self::are_small([self.a, self.b].map(|standing| (standing.size, standing.slack)))
+    }
+
+    /// [`Placements::are_collapsed`], for two bodies with these sizes and this much slack.
+    #[inline]
+    pub(super) fn are_small([(size_a, slack_a), (size_b, slack_b)]: [(f64, f64); 2]) -> bool {
         /// Bodies this many times larger than the slack are culled well. Not measured; it affects only the speed.
         const RESOLVED: f64 = 16.0;
-        self.a.size.max(self.b.size) <= RESOLVED * (self.a.slack + self.b.slack)
+        size_a.max(size_b) <= RESOLVED * (slack_a + slack_b)
     }
 
     /// A neighbourhood that is close to both bodies if they touch.

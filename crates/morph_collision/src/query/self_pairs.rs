@@ -86,7 +86,7 @@ impl SelfQuery {
         let of_neighbours =
             intersecting_neighbours(&mut Side::new(posed, leaves), &front.neighbours, stats, &mut ordered);
         if of_neighbours.is_continue() {
-            let node_tests = walk_within(posed, &front.apart, stack, |posed, a, b| {
+            let node_tests = walk_within(posed, &front.apart, stack, u64::MAX, |posed, a, b| {
                 let mut body = Side::new(posed, leaves);
                 intersecting_pairs_within(&mut body, [a, b], !front.is_complete, stats, &mut ordered)
             });

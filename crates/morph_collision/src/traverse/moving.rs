@@ -37,6 +37,8 @@ pub(crate) struct Moving<'m, 'p> {
     standing: Standing,
     /// The boxes of the root at the start and at the end.
     root: [Aabb; 2],
+    /// The body's size and the slack for rounding at the start and at the end, in world units.
+    resolution: [(f64, f64); 2],
 }
 
 impl<'m, 'p> Moving<'m, 'p> {
@@ -81,6 +83,7 @@ impl<'m, 'p> Moving<'m, 'p> {
         }
         let bounds = root[0].union(&root[1]);
         let placed = PlacedBounds::with_error(&space, bounds.magnitude().as_dvec3(), start.placed.error());
+        let resolution = [&start, &end].map(|end| (end.size, end.slack));
         let mut standing = start;
         standing.is_skinned = false; // Boxes of the whole body are in one space.
         standing.size = standing.size.max(end.size);
@@ -91,7 +94,14 @@ impl<'m, 'p> Moving<'m, 'p> {
             moving,
             standing,
             root,
+            resolution,
         }
+    }
+
+    /// The body's size at the start (0) or at the end (1), and a bound on how far rounding moves its points and widens its boxes then, in
+    /// world units.
+    pub(crate) fn resolution(&self, end: usize) -> (f64, f64) {
+        self.resolution[end]
     }
 
     /// What queries about two bodies need to know of it. Its bounds contain the whole motion.

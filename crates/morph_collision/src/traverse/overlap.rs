@@ -60,11 +60,38 @@ pub(crate) struct OverlapWalk {
     by_depth: DepthSort,
     /// Node bounds tested so far.
     pub(crate) node_tests: u64,
+    /// The walk breaks when it has tested more. See [`OverlapWalk::limit`].
+    most: u64,
+    is_cut: bool,
+    /// The bound of the node pair that was visited last by [`Order::EarliestFirst`].
+    bound: f64,
 }
 
+/// More waiting node pairs than this take more than 16 MB.
+const MOST_WAITING: usize = 1 << 18;
+
 impl OverlapWalk {
+    /// Makes the next walk break after about `most` tests of nodes, or when too many pairs of nodes are waiting. Returns the number of
+    /// tests so far.
+    pub(crate) fn limit(&mut self, most: u64) -> u64 {
+        self.most = self.node_tests.saturating_add(most);
+        self.node_tests
+    }
+
+    /// Whether the last walk broke because of its limit.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// After a walk by [`Order::EarliestFirst`] that broke: no pair of nodes that was not visited overlaps earlier.
+    pub(crate) fn bound(&self) -> f64 {
+        self.bound
+    }
+
     /// Starts a query, without frames. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
     pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
+        self.most = u64::MAX;
+        self.is_cut = false;
         self.any_skinned = a.is_skinned || b.is_skinned;
         self.a.begin(a, 1.0, self.any_skinned);
         self.b.begin(b, a_from_b_scale, self.any_skinned);
@@ -153,6 +180,10 @@ impl OverlapWalk {
             self.enter[0] = 0.0;
             self.push(pair, 0, order);
             while let Some((node_a, node_b)) = self.next(order) {
+                if self.node_tests > self.most || self.queue.len() > MOST_WAITING {
+                    self.is_cut = true;
+                    return ControlFlow::Break(());
+                }
                 match (node_a.child.kind(), node_b.child.kind()) {
                     (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => self.leaves.push((leaf_a, leaf_b)),
                     _ => self.descend(simd, (a, b), (node_a, node_b), order),
@@ -287,6 +318,7 @@ impl OverlapWalk {
     fn next(&mut self, order: Order<'_>) -> Option<(Node, Node)> {
         if let Order::EarliestFirst(latest) = order {
             let next = self.queue.pop()?;
+            self.bound = next.bound;
             // All others are as late.
             return (next.bound <= latest.get()).then_some(next.node);
         }

@@ -15,10 +15,16 @@ use crate::pose::Pose;
 fn within(pose: &mut Pose, flow: ControlFlow<()>) -> (Vec<(u32, u32)>, u64) {
     let (mut pairs, mut stack) = (Vec::new(), SelfStack::new());
     let bvh = Arc::clone(pose.bvh());
-    let tests = walk_within(&mut pose.posed(), &bvh.self_front().apart, &mut stack, |posed, a, b| {
-        pairs.push((triangle(posed, a), triangle(posed, b)));
-        flow
-    });
+    let tests = walk_within(
+        &mut pose.posed(),
+        &bvh.self_front().apart,
+        &mut stack,
+        u64::MAX,
+        |posed, a, b| {
+            pairs.push((triangle(posed, a), triangle(posed, b)));
+            flow
+        },
+    );
     (pairs, tests)
 }
 

@@ -9,14 +9,15 @@ use crate::tree::{Apart, ChildKind, Leaf};
 /// The node pairs of one tree still to visit. Later walks reuse the memory.
 pub(crate) type SelfStack = Vec<(NodeRef, NodeRef)>;
 
-/// Calls `at_leaves` for every pair of leaves below the given pairs of nodes whose boxes overlap, until it breaks. Returns the number of
-/// box tests.
+/// Calls `at_leaves` for every pair of leaves below the given pairs of nodes whose boxes overlap, until it breaks, or after more than
+/// `most` box tests. Returns the number of box tests.
 ///
 /// Boxes are compared in the body's space, so no frames are needed.
 pub(crate) fn walk_within<T: BoxTree>(
     tree: &mut T,
     front: &[Apart],
     stack: &mut SelfStack,
+    most: u64,
     mut at_leaves: impl FnMut(&mut T, Leaf, Leaf) -> ControlFlow<()>,
 ) -> u64 {
     let mut tests = 0;
@@ -42,6 +43,9 @@ pub(crate) fn walk_within<T: BoxTree>(
                 }
             };
             tests += push_pairs_with(tree, group, u8::MAX, other, stack);
+            if tests > most {
+                return tests;
+            }
         }
     }
     tests

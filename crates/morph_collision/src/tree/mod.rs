@@ -51,7 +51,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
-pub(crate) use owners::Owners;
+pub(crate) use owners::{Owned, Owners};
 pub(crate) use root_children::RootChildren;
 pub(crate) use self_front::{Apart, SelfFront};
 pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};

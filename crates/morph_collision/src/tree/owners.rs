@@ -35,20 +35,35 @@ impl Owners {
         Self(owners)
     }
 
-    /// The corners that a triangle owns, as a bit mask.
+    /// What a triangle owns.
     #[inline]
-    pub(crate) fn corners(&self, triangle: u32) -> u8 {
-        self.0[triangle as usize] & 0b111
-    }
-
-    /// The edges that a triangle owns, as a bit mask. Edge `i` leads from corner `i` to the next one.
-    #[inline]
-    pub(crate) fn edges(&self, triangle: u32) -> u8 {
-        self.0[triangle as usize] >> 3
+    pub(crate) fn of(&self, triangle: u32) -> Owned {
+        Owned(self.0[triangle as usize])
     }
 
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.0)
+    }
+}
+
+/// Corners and edges that a triangle owns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Owned(u8);
+
+impl Owned {
+    /// All corners and edges.
+    pub(crate) const ALL: Self = Self(0b11_1111);
+
+    /// The corners, as a bit mask.
+    #[inline]
+    pub(crate) fn corners(self) -> u8 {
+        self.0 & 0b111
+    }
+
+    /// The edges, as a bit mask. Edge `i` leads from corner `i` to the next one.
+    #[inline]
+    pub(crate) fn edges(self) -> u8 {
+        self.0 >> 3
     }
 }
 
@@ -72,10 +87,10 @@ mod tests {
         for triangle in 0..model.triangle_count() as u32 {
             let corners = model.corners(triangle);
             for i in 0..3 {
-                if owners.corners(triangle) >> i & 1 == 1 {
+                if owners.of(triangle).corners() >> i & 1 == 1 {
                     vertices.push(corners[i]);
                 }
-                if owners.edges(triangle) >> i & 1 == 1 {
+                if owners.of(triangle).edges() >> i & 1 == 1 {
                     let (a, b) = (corners[i], corners[(i + 1) % 3]);
                     edges.push([a.min(b), a.max(b)]);
                 }

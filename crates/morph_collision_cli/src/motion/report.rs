@@ -14,6 +14,8 @@ pub(super) struct MotionReport {
     bodies: usize,
     /// By step, then by bodies.
     contacts: Vec<Contact>,
+    /// Bodies of which it takes too long to tell whether they touch.
+    undecided: Vec<Undecided>,
     node_tests: u64,
     triangle_tests: u64,
     feature_tests: u64,
@@ -41,6 +43,15 @@ struct Contact {
     /// Present only if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pairs: Option<u64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Undecided {
+    frame: usize,
+    body_a: usize,
+    body_b: usize,
+    /// Nothing touches before this share of the step.
+    not_before: f64,
 }
 
 /// What touches.
@@ -103,10 +114,17 @@ impl MotionReport {
             velocity: first.contact.velocity.to_array(),
             pairs: first.pairs,
         };
+        let undecided = stage.undecided.iter().map(|undecided| Undecided {
+            frame: undecided.frame,
+            body_a: undecided.bodies[0],
+            body_b: undecided.bodies[1],
+            not_before: undecided.not_before,
+        });
         let stats = stage.stats;
         Self {
             steps,
             bodies,
+            undecided: undecided.collect(),
             contacts: stage.contacts.into_iter().map(contact).collect(),
             node_tests: stats.node_tests,
             triangle_tests: stats.triangle_tests,
@@ -142,6 +160,17 @@ impl MotionReport {
                 Some(pairs) => writeln!(text, " ({pairs} pairs of features touch in this step)"),
                 None => writeln!(text),
             };
+        }
+        for undecided in &self.undecided {
+            let _ = writeln!(
+                text,
+                "frame {} to {}, bodies {} and {}: undecided. Nothing touches before {}, but very many features are very close then.",
+                undecided.frame,
+                undecided.frame + 1,
+                undecided.body_a,
+                undecided.body_b,
+                undecided.not_before
+            );
         }
         let _ = writeln!(
             text,

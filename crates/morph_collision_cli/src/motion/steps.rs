@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use morph_collision::QueryStats;
-use morph_collision::motion::{MotionContact, MotionQuery, MovingBody};
+use morph_collision::motion::{LimitReached, MotionContact, MotionQuery, MovingBody};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::SetUpError;
 
@@ -39,8 +39,16 @@ pub(super) struct FirstContact {
     pub(super) frame: usize,
     pub(super) bodies: [usize; 2],
     pub(super) contact: MotionContact,
-    /// The number of pairs of features that touch, if they are counted.
+    /// The number of pairs of features that touch, if they were counted.
     pub(super) pairs: Option<u64>,
+}
+
+/// Two bodies that may touch in a step, but so many of whose features are so close that it takes too long to tell.
+pub(super) struct Undecided {
+    pub(super) frame: usize,
+    pub(super) bodies: [usize; 2],
+    /// Nothing touches before this time, as a share of the step.
+    pub(super) not_before: f64,
 }
 
 /// What was found so far.
@@ -49,6 +57,7 @@ pub(super) struct Stage {
     tolerance: f64,
     counts: bool,
     pub(super) contacts: Vec<FirstContact>,
+    pub(super) undecided: Vec<Undecided>,
     /// Summed over all steps.
     pub(super) stats: QueryStats,
 }
@@ -60,6 +69,7 @@ impl Stage {
             tolerance,
             counts,
             contacts: Vec::new(),
+            undecided: Vec::new(),
             stats: QueryStats::default(),
         }
     }
@@ -83,31 +93,38 @@ impl Stage {
                 };
                 let first = self.query.first(body_a, body_b, self.tolerance);
                 self.stats += self.query.stats();
-                if let Some(contact) = first {
-                    let pairs = self.counts.then(|| self.count(ends, &mut rest[0]));
-                    let bodies = [a, b];
-                    self.contacts.push(FirstContact {
+                let bodies = [a, b];
+                match first {
+                    Ok(Some(contact)) => {
+                        let pairs = self.counts.then(|| self.count(ends, &mut rest[0])).flatten();
+                        self.contacts.push(FirstContact {
+                            frame,
+                            bodies,
+                            contact,
+                            pairs,
+                        });
+                    }
+                    Ok(None) => {}
+                    Err(LimitReached { not_before }) => self.undecided.push(Undecided {
                         frame,
                         bodies,
-                        contact,
-                        pairs,
-                    });
+                        not_before,
+                    }),
                 }
             }
         }
         Ok(())
     }
 
-    fn count(&mut self, a: &mut [Posed; 2], b: &mut [Posed; 2]) -> u64 {
+    /// The number of pairs of features that touch; `None` if counting them takes too long.
+    fn count(&mut self, a: &mut [Posed; 2], b: &mut [Posed; 2]) -> Option<u64> {
         let mut pairs = 0;
-        if let (Some(a), Some(b)) = (moving(a), moving(b)) {
-            self.query.visit(a, b, self.tolerance, |_| {
-                pairs += 1;
-                ControlFlow::Continue(())
-            });
-            self.stats += self.query.stats();
-        }
-        pairs
+        let counted = self.query.visit(moving(a)?, moving(b)?, self.tolerance, |_| {
+            pairs += 1;
+            ControlFlow::Continue(())
+        });
+        self.stats += self.query.stats();
+        counted.is_ok().then_some(pairs)
     }
 }
 

@@ -137,7 +137,7 @@ fn one_step(
     b.step(0.2 * step as f32, at)?;
     Ok(match question {
         Question::Discrete => pairs.any(a.now(), b.now()),
-        Question::Motion => motions.any(a.moving()?, b.moving()?),
-        Question::First => motions.first(a.moving()?, b.moving()?, TOLERANCE).is_some(),
+        Question::Motion => motions.any(a.moving()?, b.moving()?)?,
+        Question::First => motions.first(a.moving()?, b.moving()?, TOLERANCE)?.is_some(),
     })
 }

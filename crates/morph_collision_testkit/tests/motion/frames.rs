@@ -50,7 +50,7 @@ fn a_body_touches_itself_where_the_recording_says() -> Result<(), Box<dyn Error>
         let mut contacts = Vec::new();
         let mut query = MotionQuery::new();
         let body = MovingBody::new(Body::new(&mut start, &WORLD), Body::new(&mut end, &WORLD))?;
-        query.all_within(body, TOLERANCE, &mut contacts);
+        query.all_within(body, TOLERANCE, &mut contacts)?;
         let found: BTreeMap<Key, _> = contacts
             .iter()
             .map(|contact| match contact.features {

@@ -12,7 +12,8 @@ type Seen = [MovingPoint; 3];
 
 /// When a ball may first reach a triangle; `None` if it certainly does not, or only after `latest`.
 ///
-/// The interval is one of `2^k` equal parts of [0, 1], or only 0 if they touch at the start. Before it, the ball does not touch.
+/// The interval is one of `2^k` equal parts of [0, 1], or only 0 if they touch at the start. Before it, the ball does not touch. It is longer
+/// than the tolerance if the ball passes by so closely for so long that too many parts would have to be looked at.
 pub(crate) fn ball_impact(
     center: &MovingPoint,
     radius: f64,
@@ -33,7 +34,9 @@ pub(crate) fn ball_impact(
     let finest = level(tolerance).unwrap_or(DEEPEST);
     // Intervals from `start / 2^depth` to `(start + 1) / 2^depth`. The last one is the earliest.
     let (mut waiting, mut count) = ([(0_u64, 0_u32); DEEPEST as usize + 2], 1);
+    let mut visited = 0;
     while count > 0 {
+        visited += 1;
         count -= 1;
         let (start, depth) = waiting[count];
         let unit = power_of_two(-i64::from(depth));
@@ -44,7 +47,7 @@ pub(crate) fn ball_impact(
         if is_farther(&seen, ends, distance) {
             continue;
         }
-        if depth == finest {
+        if depth == finest || visited > MOST_PARTS {
             let [earliest, latest] = ends;
             return Some(TimeOfImpact { earliest, latest });
         }
@@ -54,6 +57,9 @@ pub(crate) fn ball_impact(
     }
     None
 }
+
+/// Parts of [0, 1] that are looked at for one triangle. A close pass takes about two for each halving.
+const MOST_PARTS: u32 = 1 << 10;
 
 /// A triangle's corners relative to the center.
 pub(crate) fn seen_from(center: &MovingPoint, corners: &[MovingPoint; 3]) -> Seen {

@@ -66,7 +66,7 @@ pub(super) struct Relative {
 impl Relative {
     /// `None` if products of the vectors may overflow or underflow.
     #[inline]
-    fn new(kind: Kind, [u, v, w]: [Linear; 3]) -> Option<Self> {
+    pub(super) fn new(kind: Kind, [u, v, w]: [Linear; 3]) -> Option<Self> {
         let [mu, mv, mw] = [&u, &v, &w].map(|linear| linear[0].abs().max(linear[1].abs()).max_element());
         // Within these limits nothing overflows, and underflow is far below the error.
         const IN_RANGE: std::ops::Range<f64> = power_of_two(-100)..power_of_two(100);

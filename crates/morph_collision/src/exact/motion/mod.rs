@@ -12,17 +12,19 @@
 //!
 //! # How it decides
 //!
-//! All questions are signs of polynomials in the time (`features`). Three stages answer them, cheapest
+//! All questions are signs of polynomials in the time (`features`). Four stages answer them, cheapest
 //! first; [`StageCounts`] says which one did.
 //!
 //! 1. Separation: along an axis of space, all differences of the two features' corners have the same sign.
 //! 2. Filter: `f64` with an error bound, at the times at which all corners are in one plane, or on ever shorter intervals of time
 //!    (`docs/numerics.md` derives the bound).
-//! 3. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
+//! 3. Ends: what the features are exactly at the start and at the end, if they touch at the start or can only touch at the end.
+//! 4. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
 
 mod ball;
 mod bernstein;
 mod directions;
+mod ends;
 mod features;
 mod filter;
 mod geometry;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
+use super::ends::decide_at_ends;
 use super::features::{FeaturePair, Kind};
 use super::filter::{Answer, filtered, separated};
 use super::touch::{edge_edge, vertex_face};
@@ -38,7 +39,15 @@ fn doubles() -> impl Strategy<Value = Corners> {
 }
 
 fn any_corners() -> impl Strategy<Value = Corners> {
-    prop_oneof![grid(1), grid(2), grid(4), flat(), doubles()]
+    prop_oneof![grid(1), grid(2), grid(4), flat(), doubles(), degenerate_at_ends()]
+}
+
+/// Motions that start, end, or both, in one plane, on one line, or in one point.
+fn degenerate_at_ends() -> impl Strategy<Value = Corners> {
+    (doubles(), grid(2), [0..4_usize, 0..4_usize], -1.0..1.0).prop_map(|(corners, coarse, axes, x)| {
+        let keep = |p: DVec3, axes: usize| DVec3::from_array(std::array::from_fn(|i| if i < axes { p[i] } else { x }));
+        std::array::from_fn(|i| MovingPoint::new(keep(corners[i].start, axes[0]), keep(coarse[i].end, axes[1])))
+    })
 }
 
 fn any_kind() -> impl Strategy<Value = Kind> {
@@ -111,6 +120,21 @@ proptest! {
     }
 
     #[test]
+    fn what_the_ends_decide_is_exact(kind in any_kind(), corners in any_corners()) {
+        let features = features(kind, corners);
+        match decide_at_ends(&features, false) {
+            Answer::Contact(time) => prop_assert_eq!(Some(time), solve::impact(&features, 0.0)),
+            Answer::Apart => prop_assert!(!solve::touch(&features)),
+            Answer::Open => {}
+        }
+        match decide_at_ends(&features, true) {
+            Answer::Contact(_) => prop_assert!(solve::touch(&features)),
+            Answer::Apart => prop_assert!(!solve::touch(&features)),
+            Answer::Open => {}
+        }
+    }
+
+    #[test]
     fn time_may_run_backwards(kind in any_kind(), corners in any_corners()) {
         let back = corners.map(|c| MovingPoint::new(c.end, c.start));
         prop_assert_eq!(touch(kind, corners), touch(kind, back));
@@ -167,11 +191,27 @@ fn each_stage_decides_what_it_is_for() {
         let mut stages = StageCounts::default();
         let touches = vertex_face_touch_counting(vertex, face, &mut stages);
         assert_eq!(stages.total(), 1);
-        (touches, [stages.separated, stages.filtered, stages.exact])
+        (
+            touches,
+            [stages.separated, stages.filtered, stages.at_ends, stages.exact],
+        )
     };
-    assert_eq!(counts(fall(1.0, 1.0, 3.0, 1.0)), (false, [1, 0, 0]));
-    assert_eq!(counts(fall(1.0, 1.0, 3.0, -1.5)), (true, [0, 1, 0]));
-    assert_eq!(counts(fall(2.1, 2.1, 3.0, -1.5)), (false, [0, 1, 0]));
-    assert_eq!(counts(fall(1.0, 3.0, 3.0, -1.5)), (true, [0, 0, 1]));
-    assert_eq!(counts(at(1.0, 1.0, 0.0)), (true, [0, 0, 1]));
+    assert_eq!(counts(fall(1.0, 1.0, 3.0, 1.0)), (false, [1, 0, 0, 0]));
+    assert_eq!(counts(fall(1.0, 1.0, 3.0, -1.5)), (true, [0, 1, 0, 0]));
+    assert_eq!(counts(fall(2.1, 2.1, 3.0, -1.5)), (false, [0, 1, 0, 0]));
+    assert_eq!(counts(fall(1.0, 3.0, 3.0, -1.5)), (true, [0, 0, 0, 1]));
+    assert_eq!(counts(at(1.0, 1.0, 0.0)), (true, [0, 0, 1, 0]));
+    // Into the plane of the face.
+    let open = |face: [MovingPoint; 3]| face.map(|c| MovingPoint::new(c.start + DVec3::Z * c.start.x, c.start));
+    let ends = |vertex: MovingPoint, face| {
+        let mut stages = StageCounts::default();
+        let time = vertex_face_impact_counting(vertex, face, 1e-3, &mut stages);
+        (time.map(|time| time.earliest), stages.at_ends, stages.exact)
+    };
+    assert_eq!(ends(fall(1.0, 1.0, 3.0, 0.0), open(face)), (Some(1.0), 1, 0));
+    // All of it into one point.
+    let point = DVec3::new(0.3, 0.2, 0.7);
+    let shrink = face.map(|corner| MovingPoint::new(corner.start, point));
+    let above = MovingPoint::new(DVec3::new(1.0, 1.0, 0.5), point);
+    assert_eq!(ends(above, shrink), (Some(1.0), 1, 0));
 }

@@ -5,7 +5,9 @@ pub struct StageCounts {
     pub separated: u64,
     /// Other queries that `f64` with error bounds decided.
     pub filtered: u64,
-    /// Queries that needed exact arithmetic.
+    /// Queries that neither decided, because the features touch at the start, or are degenerate at the start or at the end.
+    pub at_ends: u64,
+    /// Queries that needed exact polynomials.
     pub exact: u64,
 }
 
@@ -13,6 +15,6 @@ impl StageCounts {
     /// The number of queries.
     #[must_use]
     pub const fn total(&self) -> u64 {
-        self.separated + self.filtered + self.exact
+        self.separated + self.filtered + self.at_ends + self.exact
     }
 }

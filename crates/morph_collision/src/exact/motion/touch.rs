@@ -1,5 +1,6 @@
 //! The public questions, answered by one stage after the other.
 
+use super::ends::decide_at_ends;
 use super::features::{FeaturePair, Kind};
 use super::filter::{Answer, COARSEST, filtered, separated};
 use super::moving::{MovingPoint, TimeOfImpact};
@@ -115,19 +116,9 @@ impl FeaturePair {
     /// Whether the features touch at any time.
     #[inline]
     pub(crate) fn touch(&self, stages: &mut StageCounts) -> bool {
-        if separated(self) {
-            stages.separated += 1;
-            return false;
-        }
-        match filtered(self, None) {
-            Answer::Open => {
-                stages.exact += 1;
-                solve::touch(self)
-            }
-            answer => {
-                stages.filtered += 1;
-                answer != Answer::Apart
-            }
+        match self.decided(None, stages) {
+            Answer::Open => solve::touch(self),
+            answer => answer != Answer::Apart,
         }
     }
 
@@ -138,25 +129,34 @@ impl FeaturePair {
     /// start before that end.
     #[inline]
     pub(crate) fn impact(&self, tolerance: f64, stages: &mut StageCounts) -> Option<TimeOfImpact> {
-        if separated(self) {
-            stages.separated += 1;
-            return None;
-        }
         // NaN counts as 0, too.
         let tolerance = if tolerance > 0.0 { tolerance.min(COARSEST) } else { 0.0 };
-        match filtered(self, Some(tolerance)) {
-            Answer::Open => {
-                stages.exact += 1;
-                solve::impact(self, tolerance)
-            }
-            Answer::Apart => {
-                stages.filtered += 1;
-                None
-            }
-            Answer::Contact(time) => {
-                stages.filtered += 1;
-                Some(time)
-            }
+        match self.decided(Some(tolerance), stages) {
+            Answer::Open => solve::impact(self, tolerance),
+            Answer::Apart => None,
+            Answer::Contact(time) => Some(time),
         }
+    }
+
+    /// The answer of the first stage that has one; open if only exact polynomials are left. With a tolerance, searches for the first
+    /// contact; otherwise any contact will do.
+    #[inline]
+    fn decided(&self, tolerance: Option<f64>, stages: &mut StageCounts) -> Answer {
+        if separated(self) {
+            stages.separated += 1;
+            return Answer::Apart;
+        }
+        let answer = filtered(self, tolerance);
+        if answer != Answer::Open {
+            stages.filtered += 1;
+            return answer;
+        }
+        let answer = decide_at_ends(self, tolerance.is_none());
+        if answer == Answer::Open {
+            stages.exact += 1;
+        } else {
+            stages.at_ends += 1;
+        }
+        answer
     }
 }

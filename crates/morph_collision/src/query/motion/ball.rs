@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::candidate::MovingTriangle;
+use super::triangle::MovingTriangle;
 use super::{MotionContact, MovingBody};
 use crate::bounds::WorldFromModel;
 use crate::exact::closest_on_triangle;
@@ -56,9 +56,9 @@ impl MovingBall {
 
     /// When and where the ball, which is no point, first touches a triangle; `None` if it does not, or only after `latest`.
     pub(super) fn impact(&self, triangle: &MovingTriangle<'_>, tolerance: f64, latest: f64) -> Option<BallImpact> {
-        let time = ball_impact(&self.center, self.radius, triangle.points(), tolerance, latest)?;
+        let time = ball_impact(&self.center, self.radius, &triangle.points, tolerance, latest)?;
         let middle = time.earliest.midpoint(time.latest);
-        let seen = seen_from(&self.center, triangle.points());
+        let seen = seen_from(&self.center, &triangle.points);
         let closest = closest_on_triangle(DVec3::ZERO, &seen.map(|corner| corner.at(middle)));
         let weights = closest.barycentrics;
         let [a, b, c] = seen.map(|corner| corner.start - corner.end);
@@ -77,7 +77,7 @@ impl MovingBall {
 
 /// Where a moving point or ball first touches a body.
 ///
-/// Numbers other than `time` are computed in `f64` at the middle of `time`.
+/// Numbers other than `time` are computed in `f64` at a time close to `time.latest`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BallImpact {
     /// The triangle of the body.
@@ -107,15 +107,6 @@ impl BallImpact {
             normal: -contact.normal,
             velocity: -contact.velocity,
             barycentrics: contact.barycentrics[0],
-        }
-    }
-
-    /// The earlier one. Among equals, the triangle decides, so that the answer depends on no tree.
-    pub(super) fn earlier(first: Option<Self>, other: Self) -> Self {
-        let key = |impact: &Self| (impact.time.latest, impact.time.earliest, impact.triangle);
-        match first {
-            Some(first) if key(&first) <= key(&other) => first,
-            _ => other,
         }
     }
 }

@@ -1,76 +1,83 @@
 //! Pairs of features that may touch, and their tests.
 
+use std::ops::ControlFlow;
+
 use glam::DVec3;
 
+use super::triangle::MovingTriangle;
 use super::{Features, MotionContact};
-use crate::bounds::{WorldFromModel, lanes_of};
 use crate::exact::motion::{FeaturePair, Kind, MovingPoint, StageCounts};
-use crate::exact::unit_normal;
 use crate::query::QueryStats;
-use crate::traverse::Moving;
-use crate::tree::{Leaf, Owners};
 
-/// A triangle of a leaf.
-#[derive(Clone, Copy)]
-pub(super) struct MovingTriangle<'a> {
-    pub(super) number: u32,
-    /// The numbers of its corners in the mesh, and where they are.
-    pub(super) vertices: [u32; 3],
-    points: [MovingPoint; 3],
-    owners: &'a Owners,
-    /// The placement at the start.
-    place: &'a WorldFromModel,
-}
+/// The callback for pairs of features that may touch.
+pub(super) type Test<'t> = dyn FnMut(&Candidate<'_>, &mut QueryStats) -> ControlFlow<()> + 't;
 
-impl<'a> MovingTriangle<'a> {
-    /// The triangle at a place of a leaf, whose vertices are at these points.
-    pub(super) fn new(
-        tree: &Moving<'_, 'a>,
-        leaf: Leaf,
-        points: &[MovingPoint],
-        place: usize,
-        owners: &'a Owners,
-    ) -> Self {
-        let start = &tree.ends[0];
-        let mesh = start.topology.leaf_mesh(leaf);
-        let corners = mesh.corners[place];
-        Self {
-            number: start.topology.leaf_triangles(leaf)[place],
-            vertices: corners.map(|corner| mesh.vertices[usize::from(corner)]),
-            points: corners.map(|corner| points[usize::from(corner)]),
-            owners,
-            place: start.place,
+/// Calls `test` for all pairs of features for which two triangles of two bodies stand, until it breaks.
+pub(super) fn between(
+    t: &MovingTriangle<'_>,
+    s: &MovingTriangle<'_>,
+    stats: &mut QueryStats,
+    test: &mut Test<'_>,
+) -> ControlFlow<()> {
+    for (vertex_a, point) in t.own_corners() {
+        let features = Features::VertexFace {
+            vertex_a,
+            triangle_b: s.number,
+        };
+        test(&Candidate::vertex_face(features, point, [t, s]), stats)?;
+    }
+    for (vertex_b, point) in s.own_corners() {
+        let features = Features::FaceVertex {
+            triangle_a: t.number,
+            vertex_b,
+        };
+        test(&Candidate::vertex_face(features, point, [s, t]), stats)?;
+    }
+    for (edge_a, ends_a) in t.own_edges() {
+        for (edge_b, ends_b) in s.own_edges() {
+            let features = Features::EdgeEdge { edge_a, edge_b };
+            test(&Candidate::edge_edge(features, [ends_a, ends_b], [t, s]), stats)?;
         }
     }
+    ControlFlow::Continue(())
+}
 
-    pub(super) fn own_corners(&self) -> impl Iterator<Item = (u32, MovingPoint)> + use<'_, 'a> {
-        let corners = lanes_of(self.owners.corners(self.number));
-        corners.map(|corner| (self.vertices[corner % 3], self.points[corner % 3]))
-    }
-
-    pub(super) fn own_edges(&self) -> impl Iterator<Item = ([u32; 2], [MovingPoint; 2])> + use<'_, 'a> {
-        lanes_of(self.owners.edges(self.number)).map(|edge| {
-            let (from, to) = (edge % 3, (edge + 1) % 3);
-            let (a, b) = (self.vertices[from], self.vertices[to]);
-            let points = [self.points[from], self.points[to]];
-            // Ascending, so that no answer depends on which triangle owns the edge.
-            if a < b {
-                ([a, b], points)
-            } else {
-                ([b, a], [points[1], points[0]])
+/// Like [`between`], for two triangles of one body. Leaves out features that share a vertex.
+pub(super) fn within(
+    t: &MovingTriangle<'_>,
+    s: &MovingTriangle<'_>,
+    stats: &mut QueryStats,
+    test: &mut Test<'_>,
+) -> ControlFlow<()> {
+    for (own, other) in [(t, s), (s, t)] {
+        for (vertex_a, point) in own.own_corners() {
+            if !other.vertices.contains(&vertex_a) {
+                let features = Features::VertexFace {
+                    vertex_a,
+                    triangle_b: other.number,
+                };
+                test(&Candidate::vertex_face(features, point, [own, other]), stats)?;
             }
-        })
+        }
     }
-
-    pub(super) fn points(&self) -> &[MovingPoint; 3] {
-        &self.points
+    for (edge_a, ends_a) in t.own_edges() {
+        for (edge_b, ends_b) in s.own_edges() {
+            if edge_a.iter().any(|vertex| edge_b.contains(vertex)) {
+                continue;
+            }
+            let candidate = if edge_a < edge_b {
+                Candidate::edge_edge(Features::EdgeEdge { edge_a, edge_b }, [ends_a, ends_b], [t, s])
+            } else {
+                let features = Features::EdgeEdge {
+                    edge_a: edge_b,
+                    edge_b: edge_a,
+                };
+                Candidate::edge_edge(features, [ends_b, ends_a], [s, t])
+            };
+            test(&candidate, stats)?;
+        }
     }
-
-    /// The unit normal out of the body at a time.
-    pub(super) fn outward(&self, time: f64) -> DVec3 {
-        let normal = unit_normal(&self.points.map(|point| point.at(time)));
-        if self.place.mirrors() { -normal } else { normal }
-    }
+    ControlFlow::Continue(())
 }
 
 /// A pair of features that may touch.

@@ -37,15 +37,17 @@ pub enum Features {
 
 /// A contact during a motion.
 ///
-/// Whether features touch, and the ends of `time`, are exact. All other numbers are computed in `f64` at the middle of `time`. Their errors
-/// are a few roundings, divided by the sine of the angle between two edges, and what the features move during half of `time`.
+/// Whether features touch, and the ends of `time`, are exact. All other numbers are computed in `f64`, at a time that differs by at most
+/// `2^-31` from the one at which these features first touch. Their errors are a few roundings, divided by the sine of the angle between two
+/// edges, and what the features move in that difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionContact {
     /// What touches.
     pub features: Features,
     /// The triangles of these features. Of those that share a vertex or an edge, the one with the lowest index.
     pub triangles: TrianglePair,
-    /// When it first touches, as a share of the motion.
+    /// When it first touches, as a share of the motion. [`MotionQuery::first`](super::MotionQuery::first) returns an interval that also
+    /// contains the first time of all contacts.
     pub time: TimeOfImpact,
     /// Where it touches, in world space: the position of the vertex, or midway between the closest points of the two edges. If triangles
     /// intersect at the start, the middle of the segment in which they meet.

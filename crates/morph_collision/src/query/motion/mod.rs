@@ -11,18 +11,24 @@
 //! Surfaces that are apart first touch where a vertex meets a face or two edges meet, so contacts are between such [`Features`].
 //! Triangles that cross each other during the whole motion need not have such a contact; only [`MotionQuery::first`] and
 //! [`MotionQuery::any`] also look for triangles that intersect when the motion starts.
+//!
 //! [`MotionQuery::first_of_ball`] finds the first contact of a point or a ball, for example a bullet.
 //! [`vertex_face_touch`], [`edge_edge_touch`] and their `_impact` variants are the tests of one vertex and face, or of two edges.
 
 mod ball;
 mod candidate;
+mod collapsed;
 mod contact;
+mod leaves;
+mod limit;
 mod moving_body;
-mod patches;
 mod query;
+mod triangle;
+mod walk;
 
 pub use ball::{BallImpact, MovingBall};
 pub use contact::{Features, MotionContact};
+pub use limit::LimitReached;
 pub use moving_body::MovingBody;
 pub use query::MotionQuery;
 

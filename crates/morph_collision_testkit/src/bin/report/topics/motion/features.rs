@@ -12,7 +12,12 @@ use serde::{Deserialize, Serialize};
 use super::timing::{Features, median_seconds};
 use crate::table::Table;
 
-const STAGES: [&str; 3] = ["apart along an axis", "filter in `f64`", "exact arithmetic"];
+const STAGES: [&str; 4] = [
+    "apart along an axis",
+    "filter in `f64`",
+    "start and end",
+    "exact arithmetic",
+];
 
 /// A question about two features: whether they touch, or when. Returns whether they do.
 type Question = fn(&Features, &mut StageCounts) -> bool;
@@ -56,7 +61,7 @@ pub(super) fn measure(
         let of_kind = recorded.iter().filter(|features| features.kind == kind);
         let of_kind: Vec<Features> = of_kind.copied().collect();
         for (asked, question) in QUESTIONS {
-            let mut by_stage = [const { Vec::new() }; 3];
+            let mut by_stage = [const { Vec::new() }; STAGES.len()];
             for features in &of_kind {
                 by_stage[stage(question, features)].push(*features);
             }
@@ -95,7 +100,8 @@ fn stage(question: Question, features: &Features) -> usize {
     match stages {
         StageCounts { separated: 1, .. } => 0,
         StageCounts { filtered: 1, .. } => 1,
-        _ => 2,
+        StageCounts { at_ends: 1, .. } => 2,
+        _ => 3,
     }
 }
 

@@ -64,9 +64,11 @@ fn walk(model: &Path, rounds: usize) -> Result<Recorded, Box<dyn Error>> {
         |[mut start, mut end]| {
             contacts.clear();
             let [start, end] = [Body::new(&mut start, &world), Body::new(&mut end, &world)];
-            match MovingBody::new(start, end) {
-                Ok(body) => query.all_within(body, TOLERANCE, &mut contacts),
-                Err(error) => failure = Err(error),
+            let walk = || -> Result<(), Box<dyn Error>> {
+                Ok(query.all_within(MovingBody::new(start, end)?, TOLERANCE, &mut contacts)?)
+            };
+            if let Err(error) = walk() {
+                failure = Err(error);
             }
         },
     );

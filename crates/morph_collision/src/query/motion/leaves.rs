@@ -1,4 +1,4 @@
-//! Leaves of moving bodies: their vertices at both ends of the motion, and the pairs of features of two leaves that may touch.
+//! Leaves of moving bodies: their vertices at both ends of the motion, and the pairs of triangles of two leaves that may touch.
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -6,8 +6,7 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use super::Features;
-use super::candidate::{Candidate, MovingTriangle};
+use super::triangle::MovingTriangle;
 use crate::bounds::{Aabb, Extent, LANES, MovingLanes, lanes_of, with_simd};
 use crate::exact::motion::MovingPoint;
 use crate::exact::{power_of_two, power_of_two_below};
@@ -119,113 +118,51 @@ impl MovingLeaves {
     }
 }
 
-/// The test of a pair of features. It may break.
-pub(super) type Test<'t> = dyn FnMut(&Candidate<'_>, &mut QueryStats) -> ControlFlow<()> + 't;
+/// The callback for pairs of triangles that may touch.
+pub(super) type AtTriangles<'v> =
+    dyn FnMut(&MovingTriangle<'_>, &MovingTriangle<'_>, &mut QueryStats) -> ControlFlow<()> + 'v;
 
-/// Calls `test` for pairs of features of two bodies' leaves that may touch at times up to `latest`, until it breaks.
-pub(super) fn candidates(
-    (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
-    (b, leaves_b, owners_b): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+/// A body, its leaves, and who owns its vertices and edges.
+pub(super) type Side<'s, 'm, 'p> = (&'s mut Moving<'m, 'p>, &'s mut MovingLeaves, &'s Owners);
+
+/// Calls `at_triangles` for pairs of triangles of two bodies' leaves that may touch at times up to `latest`, until it breaks.
+pub(super) fn triangles_of_both(
+    (a, leaves_a, owners_a): Side<'_, '_, '_>,
+    (b, leaves_b, owners_b): Side<'_, '_, '_>,
     leaves: &[(Leaf, Leaf)],
     (latest, stats): (&Cell<f64>, &mut QueryStats),
-    test: &mut Test<'_>,
+    at_triangles: &mut AtTriangles<'_>,
 ) -> ControlFlow<()> {
     for &(leaf_a, leaf_b) in leaves {
         let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
         let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
         let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
-            let (t, s) = (
-                MovingTriangle::new(a, leaf_a, &of_a.points, place_a, owners_a),
-                MovingTriangle::new(b, leaf_b, &of_b.points, place_b, owners_b),
-            );
-            for (vertex_a, point) in t.own_corners() {
-                let features = Features::VertexFace {
-                    vertex_a,
-                    triangle_b: s.number,
-                };
-                test(&Candidate::vertex_face(features, point, [&t, &s]), stats)?;
+            let t = MovingTriangle::of_leaf(a, leaf_a, &of_a.points, place_a, owners_a);
+            let s = MovingTriangle::of_leaf(b, leaf_b, &of_b.points, place_b, owners_b);
+            // These boxes are tighter.
+            if t.first_overlap(&s) > latest.get() {
+                return ControlFlow::Continue(());
             }
-            for (vertex_b, point) in s.own_corners() {
-                let features = Features::FaceVertex {
-                    triangle_a: t.number,
-                    vertex_b,
-                };
-                test(&Candidate::vertex_face(features, point, [&s, &t]), stats)?;
-            }
-            for (edge_a, ends_a) in t.own_edges() {
-                for (edge_b, ends_b) in s.own_edges() {
-                    let features = Features::EdgeEdge { edge_a, edge_b };
-                    test(&Candidate::edge_edge(features, [ends_a, ends_b], [&t, &s]), stats)?;
-                }
-            }
-            ControlFlow::Continue(())
+            at_triangles(&t, &s, stats)
         };
         with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair))?;
     }
     ControlFlow::Continue(())
 }
 
-/// Calls `test` for the triangles of a body's leaves that a ball's box meets at times up to `latest`.
-pub(super) fn triangles_at_box(
-    (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
-    (b, leaves_b): (&mut Moving<'_, '_>, &mut MovingLeaves),
-    leaves: &[(Leaf, Leaf)],
-    (latest, stats): (&Cell<f64>, &mut QueryStats),
-    test: &mut impl FnMut(&MovingTriangle<'_>, &mut QueryStats),
-) {
-    for &(leaf_a, leaf_b) in leaves {
-        let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
-        let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
-        let at_pair = |[place, _]: [usize; 2], stats: &mut QueryStats| {
-            test(&MovingTriangle::new(a, leaf_a, &of_a.points, place, owners_a), stats);
-            ControlFlow::Continue(())
-        };
-        // Never breaks.
-        let _ = with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair));
-    }
-}
-
-/// Like [`candidates`], for two leaves of one body, or one leaf with itself. Leaves out features that share a vertex.
-pub(super) fn candidates_within(
-    (body, placed, owners): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+/// Like [`triangles_of_both`], for two leaves of one body, or one leaf with itself.
+pub(super) fn triangles_of_one(
+    (body, placed, owners): Side<'_, '_, '_>,
     [leaf_a, leaf_b]: [Leaf; 2],
     stats: &mut QueryStats,
-    test: &mut Test<'_>,
+    at_triangles: &mut AtTriangles<'_>,
 ) -> ControlFlow<()> {
     let (slot_a, slot_b) = (placed.read(body, leaf_a), placed.read(body, leaf_b));
     let (of_a, of_b) = (placed.placed.get(slot_a), placed.placed.get(slot_b));
     let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
-        let t = MovingTriangle::new(body, leaf_a, &of_a.points, place_a, owners);
-        let s = MovingTriangle::new(body, leaf_b, &of_b.points, place_b, owners);
-        for (own, other) in [(&t, &s), (&s, &t)] {
-            for (vertex_a, point) in own.own_corners() {
-                if !other.vertices.contains(&vertex_a) {
-                    let features = Features::VertexFace {
-                        vertex_a,
-                        triangle_b: other.number,
-                    };
-                    test(&Candidate::vertex_face(features, point, [own, other]), stats)?;
-                }
-            }
-        }
-        for (edge_a, ends_a) in t.own_edges() {
-            for (edge_b, ends_b) in s.own_edges() {
-                if edge_a.iter().any(|vertex| edge_b.contains(vertex)) {
-                    continue;
-                }
-                let candidate = if edge_a < edge_b {
-                    Candidate::edge_edge(Features::EdgeEdge { edge_a, edge_b }, [ends_a, ends_b], [&t, &s])
-                } else {
-                    let features = Features::EdgeEdge {
-                        edge_a: edge_b,
-                        edge_b: edge_a,
-                    };
-                    Candidate::edge_edge(features, [ends_b, ends_a], [&s, &t])
-                };
-                test(&candidate, stats)?;
-            }
-        }
-        ControlFlow::Continue(())
+        let t = MovingTriangle::of_leaf(body, leaf_a, &of_a.points, place_a, owners);
+        let s = MovingTriangle::of_leaf(body, leaf_b, &of_b.points, place_b, owners);
+        at_triangles(&t, &s, stats)
     };
     with_simd!(body.ends[0].level, simd => pairs(simd, (of_a, of_b), leaf_a == leaf_b, (&Cell::new(1.0), stats), at_pair))
 }

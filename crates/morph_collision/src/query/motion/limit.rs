@@ -1,0 +1,26 @@
+//! A bound on the work of a query.
+
+use thiserror::Error;
+
+use crate::query::QueryStats;
+
+/// A query reached its limit ([`MotionQuery::with_limit`](super::MotionQuery::with_limit)) before it had an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error(
+    "the limit of work was reached; nothing touches before {not_before} of the motion, and whether anything does later is not known"
+)]
+pub struct LimitReached {
+    /// Nothing touches before this time, as a share of the motion. 0 unless the query looks for the first contact.
+    pub not_before: f64,
+}
+
+/// The limit of a query that was given none: minutes of work.
+pub(super) const DEFAULT_LIMIT: u64 = 1 << 36;
+
+/// The work of a query so far, in steps. A step is a test of two boxes of nodes or triangles, a few nanoseconds. The other numbers are
+/// what tests of features take in comparison (docs/measurements/motion.md).
+pub(super) fn steps(stats: &QueryStats) -> u64 {
+    const FEATURES: u64 = 64;
+    const EXACT: u64 = 10_000;
+    stats.node_tests + stats.triangle_tests + FEATURES * stats.feature_tests + EXACT * stats.undecided_by_filter
+}

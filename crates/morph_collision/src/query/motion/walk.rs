@@ -1,0 +1,201 @@
+//! The walk over two moving bodies.
+
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+
+use super::MovingBody;
+use super::collapsed::CollapsedMotion;
+use super::leaves::{AtTriangles, MovingLeaves, Observer, triangles_of_both, triangles_of_one};
+use super::limit::{LimitReached, steps};
+use super::triangle::MovingTriangle;
+use crate::pose::Posed;
+use crate::query::QueryStats;
+use crate::query::placements::Placements;
+use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
+use crate::tree::PatchPair;
+
+/// What a walk looks for.
+#[derive(Clone, Copy)]
+pub(super) enum Search<'h> {
+    /// All pairs.
+    All,
+    /// Any contact.
+    Any,
+    /// The first contact. Pairs that meet only later than this time are skipped; the caller lowers it when it finds a contact.
+    First(&'h Cell<f64>),
+}
+
+/// The memory of walks.
+#[derive(Debug, Default)]
+pub(super) struct MotionWalk {
+    walk: OverlapWalk,
+    stack: SelfStack,
+    boxes: [MovingBoxes; 2],
+    leaves: [MovingLeaves; 2],
+    collapsed: CollapsedMotion,
+}
+
+impl MotionWalk {
+    /// Whether the bodies' bounds overlap at any time.
+    pub(super) fn bounds_overlap(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> bool {
+        let [boxes_a, boxes_b] = &mut self.boxes;
+        let ends_b = [b.start.posed(), b.end.posed()];
+        let mut ends_a = [a.start.posed(), a.end.posed()];
+        let (_, drift) = drift(&mut ends_a);
+        let moving_a = Moving::new(ends_a, drift, boxes_a, false);
+        let moving_b = Moving::new(ends_b, drift, boxes_b, false);
+        placements(&moving_a, &moving_b).begin_walk(&mut self.walk)
+    }
+
+    /// Calls `at_triangles` for pairs of triangles that may touch, until it breaks. Sets `stats` to the work.
+    ///
+    /// # Errors
+    /// [`LimitReached`] after about `limit` steps.
+    pub(super) fn run(
+        &mut self,
+        (mut a, mut b): (MovingBody<'_>, MovingBody<'_>),
+        search: Search<'_>,
+        limit: u64,
+        stats: &mut QueryStats,
+        at_triangles: &mut AtTriangles<'_>,
+    ) -> Result<(), LimitReached> {
+        let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
+        let mut ends_a = [a.start.posed(), a.end.posed()];
+        let ends_b = [b.start.posed(), b.end.posed()];
+        let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(Posed::blended);
+        let Self {
+            walk,
+            boxes: [boxes_a, boxes_b],
+            leaves: [leaves_a, leaves_b],
+            collapsed,
+            ..
+        } = self;
+        *stats = QueryStats::default();
+        let (middle, drift) = drift(&mut ends_a);
+        let mut a = Moving::new(ends_a, drift, boxes_a, false);
+        let mut b = Moving::new(ends_b, drift, boxes_b, false);
+        let always = Cell::new(1.0);
+        let (order, latest) = match search {
+            Search::All => (Order::Any, &always),
+            Search::Any => (Order::DeepestFirst, &always),
+            Search::First(latest) => (Order::EarliestFirst(latest), latest),
+        };
+        let mut is_cut = false;
+        let mut within_limit = |t: &MovingTriangle<'_>, s: &MovingTriangle<'_>, stats: &mut QueryStats| {
+            at_triangles(t, s, stats)?;
+            check(stats, limit, &mut is_cut)
+        };
+        let mut not_before = 0.0;
+        if !placements(&a, &b).begin_walk(walk) {
+            stats.node_tests = 1;
+        } else if !matches!(search, Search::All) && are_collapsed(&a, &b) {
+            let left = collapsed.run([&mut a, &mut b], (latest, limit), stats, &mut within_limit);
+            is_cut |= left.is_some() && stats.node_tests > limit;
+            not_before = left.unwrap_or(0.0);
+        } else {
+            let observer = Observer::new(middle, drift, a.standing().size);
+            leaves_a.begin(observer);
+            leaves_b.begin(observer);
+            let tests_before = walk.limit(limit);
+            let _stopped_early = walk.run((&mut a, &mut b), &[], order, &mut |a, b, leaves| {
+                let of_a = (a, &mut *leaves_a, bvh_a.owners());
+                let of_b = (b, &mut *leaves_b, bvh_b.owners());
+                triangles_of_both(of_a, of_b, leaves, (latest, stats), &mut within_limit)
+            });
+            stats.node_tests = walk.node_tests - tests_before;
+            is_cut |= walk.is_cut();
+            if let Search::First(_) = search {
+                not_before = walk.bound();
+            }
+        }
+        let after = [&a.ends[0], &a.ends[1], &b.ends[0], &b.ends[1]].map(Posed::blended);
+        *stats += QueryStats::blending(before, after);
+        if is_cut {
+            Err(LimitReached { not_before })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Like [`MotionWalk::run`], for pairs of triangles of one body.
+    pub(super) fn run_within(
+        &mut self,
+        body: MovingBody<'_>,
+        limit: u64,
+        stats: &mut QueryStats,
+        at_triangles: &mut AtTriangles<'_>,
+    ) -> Result<(), LimitReached> {
+        let bvh = body.bvh();
+        let MovingBody { mut start, mut end } = body;
+        let mut ends = [start.posed(), end.posed()];
+        let before = [ends[0].blended(), ends[1].blended()];
+        let Self {
+            stack,
+            boxes: [boxes, _],
+            leaves: [leaves, _],
+            ..
+        } = self;
+        *stats = QueryStats::default();
+        let (middle, drift) = drift(&mut ends);
+        let mut body = Moving::new(ends, drift, boxes, true);
+        leaves.begin(Observer::new(middle, drift, body.standing().size));
+        let mut is_cut = false;
+        let mut within_limit = |t: &MovingTriangle<'_>, s: &MovingTriangle<'_>, stats: &mut QueryStats| {
+            at_triangles(t, s, stats)?;
+            check(stats, limit, &mut is_cut)
+        };
+        let front = bvh.self_front();
+        let mut at_leaves = |body: &mut Moving<'_, '_>, a, b| {
+            triangles_of_one((body, leaves, bvh.owners()), [a, b], stats, &mut within_limit)
+        };
+        let neighbours = front.neighbours.iter().filter(|pair| pair.patches == [0; 2]);
+        let of_neighbours = neighbours
+            .map(PatchPair::leaves)
+            .try_for_each(|[a, b]| at_leaves(&mut body, a, b));
+        let tests = match of_neighbours {
+            ControlFlow::Continue(()) => walk_within(&mut body, &front.apart, stack, limit, at_leaves),
+            ControlFlow::Break(()) => 0,
+        };
+        stats.node_tests = tests;
+        is_cut |= tests > limit;
+        let [start, end] = &body.ends;
+        *stats += QueryStats::blending(before, [start.blended(), end.blended()]);
+        if is_cut {
+            Err(LimitReached { not_before: 0.0 })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Breaks if there was more work than the limit allows.
+fn check(stats: &QueryStats, limit: u64, is_cut: &mut bool) -> ControlFlow<()> {
+    *is_cut = steps(stats) > limit;
+    if *is_cut {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
+fn placements<'a>(a: &'a Moving<'_, '_>, b: &'a Moving<'_, '_>) -> Placements<'a> {
+    Placements {
+        a: a.standing(),
+        b: b.standing(),
+    }
+}
+
+/// Whether boxes in `f32` cannot tell the bodies' parts apart at the start or at the end, because the bodies are too small there, or the
+/// numbers too large.
+fn are_collapsed(a: &Moving<'_, '_>, b: &Moving<'_, '_>) -> bool {
+    let is_bounded = |body: &Moving<'_, '_>| body.standing().bounds.size().is_finite();
+    !is_bounded(a) || !is_bounded(b) || (0..2).any(|end| Placements::are_small([a.resolution(end), b.resolution(end)]))
+}
+
+/// The middle of the first body when the motion starts, and how far it moves. Queries take that motion off both bodies.
+fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {
+    let [from, to] = ends.each_mut().map(|end| middle(end.stand()));
+    (from, to - from)
+}

@@ -20,6 +20,7 @@
 //! - [`oracle`]: brute force in exact arithmetic. It uses nothing of `morph_collision`.
 //! - [`motion`]: when moving points and triangles, and moving segments, first touch, as exact numbers; random and recorded motions.
 //! - [`moments`]: bodies at one moment, ordinary and odd, on which every method has to agree.
+//! - [`extremes`]: motions that collapse bodies, blow them up or turn them inside out.
 //! - [`verify`]: compares the answers of trees with brute force in random situations, and checks their boxes against vertices.
 //! - [`stress`]: the same with generated, difficult meshes, and with bad input.
 //! - [`fuzzing`]: the functions that the fuzz targets call.
@@ -47,6 +48,7 @@ pub mod assets;
 pub mod bench;
 pub mod clip;
 pub mod determinism;
+pub mod extremes;
 pub mod fuzzing;
 pub mod gltf_read;
 pub mod gltf_write;

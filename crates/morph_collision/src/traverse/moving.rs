@@ -83,7 +83,12 @@ impl<'m, 'p> Moving<'m, 'p> {
         }
         let bounds = root[0].union(&root[1]);
         let placed = PlacedBounds::with_error(&space, bounds.magnitude().as_dvec3(), start.placed.error());
-        let resolution = [&start, &end].map(|end| (end.size, end.slack));
+        // Boxes at either end are rounded as numbers in this space.
+        let resolution = [0, 1].map(|i| {
+            let rounding = root[i].magnitude().max_element() * f32::EPSILON;
+            let of = [&start, &end][i];
+            (of.size, of.slack.max(f64::from(rounding) * space.scale()))
+        });
         let mut standing = start;
         standing.is_skinned = false; // Boxes of the whole body are in one space.
         standing.size = standing.size.max(end.size);

@@ -54,6 +54,11 @@ impl Owned {
     /// All corners and edges.
     pub(crate) const ALL: Self = Self(0b11_1111);
 
+    /// All but one of the edges.
+    pub(crate) fn without_edge(self, edge: usize) -> Self {
+        Self(self.0 & !(1 << (3 + edge)))
+    }
+
     /// The corners, as a bit mask.
     #[inline]
     pub(crate) fn corners(self) -> u8 {

@@ -107,6 +107,11 @@ impl Step {
         Self { poses, places }
     }
 
+    /// A step from one place to another.
+    pub(super) fn between(poses: [Pose; 2], places: [WorldFromModel; 2]) -> Self {
+        Self { poses, places }
+    }
+
     pub(super) fn moving(&mut self) -> MovingBody<'_> {
         let [start, end] = &mut self.poses;
         MovingBody::new(Body::new(start, &self.places[0]), Body::new(end, &self.places[1])).unwrap()
@@ -132,7 +137,7 @@ impl Step {
             .collect()
     }
 
-    fn edges(&self) -> BTreeSet<[u32; 2]> {
+    pub(super) fn edges(&self) -> BTreeSet<[u32; 2]> {
         let of_face = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
         self.faces()
             .into_iter()

@@ -3,4 +3,5 @@
 
 mod balls;
 mod bodies;
+mod extremes;
 mod published;

@@ -9,18 +9,16 @@ use glam::DVec3;
 
 use super::features::{FeaturePair, Kind};
 use super::filter::{Answer, Relative, vectors};
+use super::height_roots::decide_at_roots;
 use super::moving::{MovingPoint, TimeOfImpact};
 use crate::exact::predicates::{Projection, plane_side};
 use crate::exact::segment::segments_intersect;
 use crate::exact::triangles_intersect;
 
-/// Decides features that touch at the start, and those that can only touch at the end. With `any`, a contact at the end is enough, even if
-/// there may be an earlier one.
-///
-/// Features touch only at roots of the height. A height with a root of multiplicity `k` at the start and of `m` at the end has Bernstein
-/// coefficients of zero, `k` at the beginning and `m` at the end of the list. If all others have the same sign, it has no root in between.
+/// Decides features that touch at the start, and those that are degenerate at an end. With a tolerance, searches for the first contact;
+/// otherwise any contact will do.
 #[cold]
-pub(super) fn decide_at_ends(features: &FeaturePair, any: bool) -> Answer {
+pub(super) fn decide_at_ends(features: &FeaturePair, tolerance: Option<f64>) -> Answer {
     let [start, end] =
         [|c: &MovingPoint| c.start, |c: &MovingPoint| c.end].map(|at| features.corners.each_ref().map(at));
     if !start.iter().chain(&end).all(|corner| corner.is_finite()) {
@@ -34,25 +32,51 @@ pub(super) fn decide_at_ends(features: &FeaturePair, any: bool) -> Answer {
     }
     let ends_in_point = end.iter().all(|corner| *corner == end[0]);
     // They shrink to a point without changing their shape.
-    if ends_in_point || any && touch(features.kind, &end) {
+    if ends_in_point || tolerance.is_none() && touch(features.kind, &end) {
         return contact_at(1.0);
     }
     let zeros = [&start, &end].map(multiplicity);
-    let Some(relative) = (zeros != [0, 0] && zeros[0] + zeros[1] <= 3)
-        .then(|| Relative::new(features.kind, vectors(features)))
-        .flatten()
-    else {
-        return Answer::Open;
-    };
-    let limit = relative.errors.height(0);
-    let others = &relative.height[zeros[0]..4 - zeros[1]];
-    if !(others.iter().all(|c| *c > limit) || others.iter().all(|c| *c < -limit)) {
-        return Answer::Open;
+    let relative = Relative::new(features.kind, vectors(features)).filter(|_| zeros != [0, 0]);
+    let in_between = relative
+        .and_then(|relative| relative.without_roots_at_ends(zeros))
+        .and_then(|relative| decide_at_roots(&relative, tolerance));
+    match in_between {
+        Some(Answer::Apart) if zeros[1] > 0 && touch(features.kind, &end) => contact_at(1.0),
+        Some(answer) => answer,
+        None => Answer::Open,
     }
-    if zeros[1] > 0 && touch(features.kind, &end) {
-        contact_at(1.0)
-    } else {
-        Answer::Apart
+}
+
+impl Relative {
+    /// Divides the height by `t^k (1 - t)^m`, if it has roots of these multiplicities at the start and at the end. What is left has its other
+    /// roots. `None` if the height is zero at all times.
+    ///
+    /// The height's first `k` and last `m` Bernstein coefficients are zero. A product of the others and ratios of binomial coefficients, at
+    /// most 3, are those of the quotient. Raising its degree to 3 again takes means, so no coefficient's error becomes more than 3 times
+    /// as large, and a few roundings.
+    fn without_roots_at_ends(mut self, [k, m]: [usize; 2]) -> Option<Self> {
+        const BINOMIAL: [[f64; 4]; 4] = [
+            [1.0, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0, 0.0],
+            [1.0, 2.0, 1.0, 0.0],
+            [1.0, 3.0, 3.0, 1.0],
+        ];
+        let degree = 3_usize.checked_sub(k + m)?;
+        let mut quotient = [0.0; 4];
+        for i in 0..=degree {
+            quotient[i] = self.height[k + i] * (BINOMIAL[3][k + i] / BINOMIAL[degree][i]);
+        }
+        for degree in degree..3 {
+            let lower = quotient;
+            for i in 0..=degree + 1 {
+                let share = i as f64 / (degree + 1) as f64;
+                let before = if i > 0 { share * lower[i - 1] } else { 0.0 };
+                quotient[i] = before + (1.0 - share) * lower[i];
+            }
+        }
+        self.height = quotient;
+        self.errors.height *= 4.0;
+        Some(self)
     }
 }
 

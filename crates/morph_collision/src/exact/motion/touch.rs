@@ -151,7 +151,7 @@ impl FeaturePair {
             stages.filtered += 1;
             return answer;
         }
-        let answer = decide_at_ends(self, tolerance.is_none());
+        let answer = decide_at_ends(self, tolerance);
         if answer == Answer::Open {
             stages.exact += 1;
         } else {

@@ -19,19 +19,23 @@ pub(super) fn between(
     stats: &mut QueryStats,
     test: &mut Test<'_>,
 ) -> ControlFlow<()> {
-    for (vertex_a, point) in t.own_corners() {
-        let features = Features::VertexFace {
-            vertex_a,
-            triangle_b: s.number,
-        };
-        test(&Candidate::vertex_face(features, point, [t, s]), stats)?;
+    if t.is_point || !s.is_point {
+        for (vertex_a, point) in t.own_corners() {
+            let features = Features::VertexFace {
+                vertex_a,
+                triangle_b: s.number,
+            };
+            test(&Candidate::vertex_face(features, point, [t, s]), stats)?;
+        }
     }
-    for (vertex_b, point) in s.own_corners() {
-        let features = Features::FaceVertex {
-            triangle_a: t.number,
-            vertex_b,
-        };
-        test(&Candidate::vertex_face(features, point, [s, t]), stats)?;
+    if !t.is_point {
+        for (vertex_b, point) in s.own_corners() {
+            let features = Features::FaceVertex {
+                triangle_a: t.number,
+                vertex_b,
+            };
+            test(&Candidate::vertex_face(features, point, [s, t]), stats)?;
+        }
     }
     for (edge_a, ends_a) in t.own_edges() {
         for (edge_b, ends_b) in s.own_edges() {

@@ -329,8 +329,9 @@ impl MotionQuery {
         test: &mut Test<'_>,
     ) -> Result<(), LimitReached> {
         let Self { walk, limit, stats, .. } = self;
-        walk.run((a, b), search, *limit, stats, &mut |t, s, stats| {
-            between(t, s, stats, test)
+        walk.run((a, b), search, *limit, stats, &mut |t, s, stats| match search {
+            Search::All => between(t, s, stats, test),
+            Search::Any | Search::First(_) => between(&t.without_points(), &s.without_points(), stats, test),
         })
     }
 }
@@ -352,8 +353,9 @@ impl<T> Earliest<T> {
 
     /// Adds a contact. Returns the time from which on others are not earlier.
     fn add(&mut self, time: TimeOfImpact, contact: T) -> f64 {
+        let ends = |time: &TimeOfImpact| (time.latest, time.earliest);
         let latest = match &self.contact {
-            Some((first, _)) if first.latest <= time.latest => first.latest,
+            Some((first, _)) if ends(first) <= ends(&time) => first.latest,
             _ => {
                 self.contact = Some((time, contact));
                 time.latest

@@ -15,6 +15,8 @@ pub(super) struct MovingTriangle<'a> {
     pub(super) points: [MovingPoint; 3],
     /// The corners and edges for which it stands.
     owned: Owned,
+    /// Whether its face is left out, if the other triangle's is not.
+    pub(super) is_point: bool,
     /// The placement at the start.
     place: &'a WorldFromModel,
 }
@@ -37,6 +39,7 @@ impl<'a> MovingTriangle<'a> {
             vertices: corners.map(|corner| mesh.vertices[usize::from(corner)]),
             points: corners.map(|corner| points[usize::from(corner)]),
             owned: owners.of(number),
+            is_point: false,
             place: start.place,
         }
     }
@@ -50,6 +53,7 @@ impl<'a> MovingTriangle<'a> {
             vertices,
             points: vertices.map(|vertex| points[vertex as usize]),
             owned: Owned::ALL,
+            is_point: false,
             place: start.place,
         }
     }
@@ -71,6 +75,19 @@ impl<'a> MovingTriangle<'a> {
                 ([b, a], [points[1], points[0]])
             }
         })
+    }
+
+    /// Leaves out edges and the face if they are points all the time. If one of them touches something, a vertex touches a face then, which
+    /// is enough for a search for one contact.
+    pub(super) fn without_points(mut self) -> Self {
+        let [a, b, c] = self.points;
+        for (edge, is_point) in [a == b, b == c, c == a].into_iter().enumerate() {
+            if is_point {
+                self.owned = self.owned.without_edge(edge);
+            }
+        }
+        self.is_point = a == b && b == c;
+        self
     }
 
     /// A lower bound of the first time at which the boxes around two triangles overlap; infinite if they never do.

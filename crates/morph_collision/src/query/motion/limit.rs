@@ -10,7 +10,7 @@ use crate::query::QueryStats;
     "the limit of work was reached; nothing touches before {not_before} of the motion, and whether anything does later is not known"
 )]
 pub struct LimitReached {
-    /// Nothing touches before this time, as a share of the motion. 0 unless the query looks for the first contact.
+    /// Nothing touches before this time, as a share of the motion. Often 0, unless the query looks for the first contact.
     pub not_before: f64,
 }
 

@@ -31,6 +31,9 @@ pub struct MorphCollisionDiagnostics {
     /// Pairs that were compared on their way from the last run, because a collider is
     /// [continuous](crate::MorphCollider::continuous) and they did not touch then.
     pub swept_pairs: u64,
+    /// Swept pairs that took so much work that it was cut short. What is reported about them is on the safe side: they count as touching
+    /// ([`MorphFeatures::Undecided`](crate::MorphFeatures)), or as touching earlier than they do.
+    pub limited_pairs: u64,
     /// Pairs of colliders that touched.
     pub touching_pairs: u64,
     /// Triangle pairs listed in [`MorphCollisions`](crate::MorphCollisions).
@@ -40,6 +43,9 @@ pub struct MorphCollisionDiagnostics {
     /// Work done by the broad and narrow phases. Nothing is blended again while weights stay the same.
     #[reflect(ignore)]
     pub stats: QueryStats,
+    /// The part of this work that was spent on `swept_pairs`.
+    #[reflect(ignore)]
+    pub swept_stats: QueryStats,
     /// Time spent in the plugin's systems, without building trees.
     pub duration: Duration,
 }
@@ -78,6 +84,8 @@ mod store {
         pub const CANDIDATE_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/candidate_pairs");
         /// Touching pairs.
         pub const TOUCHING_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/touching_pairs");
+        /// Pairs of continuous colliders whose motion took more work than a frame may take.
+        pub const LIMITED_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/limited_pairs");
         /// Tree nodes blended.
         pub const NODES_BLENDED: DiagnosticPath = DiagnosticPath::const_new("morph_collision/nodes_blended");
         /// Pairs of triangles compared.
@@ -89,6 +97,7 @@ mod store {
             for path in [
                 Self::CANDIDATE_PAIRS,
                 Self::TOUCHING_PAIRS,
+                Self::LIMITED_PAIRS,
                 Self::NODES_BLENDED,
                 Self::TRIANGLE_TESTS,
             ] {
@@ -105,6 +114,7 @@ mod store {
         theirs.add_measurement(&Paths::DURATION, || ours.duration.as_secs_f64() * 1e3);
         theirs.add_measurement(&Paths::CANDIDATE_PAIRS, || ours.candidate_pairs as f64);
         theirs.add_measurement(&Paths::TOUCHING_PAIRS, || ours.touching_pairs as f64);
+        theirs.add_measurement(&Paths::LIMITED_PAIRS, || ours.limited_pairs as f64);
         theirs.add_measurement(&Paths::NODES_BLENDED, || ours.stats.nodes_blended as f64);
         theirs.add_measurement(&Paths::TRIANGLE_TESTS, || ours.stats.triangle_tests as f64);
     }

@@ -14,7 +14,8 @@ pub struct MorphImpact {
     /// They did not touch before this time: 0 is the last run, 1 is this one. Multiply it with the time between the two (by default
     /// the time of a frame).
     pub earliest: f64,
-    /// They touched at this time or before. It is at most 1e-6 after `earliest`.
+    /// They touched at this time or before. It is at most 1e-6 after `earliest`, unless it takes too much work to tell when they first
+    /// touched (`docs/continuous.md`).
     pub latest: f64,
     /// Where they first touched, in world space.
     pub point: Vec3,
@@ -49,6 +50,9 @@ pub enum MorphFeatures {
     /// Two triangles that already intersected in the last run. That happens if the colliders were not compared then, for example
     /// because of their layers.
     AtStart,
+    /// It takes too much work to tell whether anything touched on the way (`docs/continuous.md`). They may have touched at `earliest` or
+    /// later. `normal` and `velocity` are zero, and `triangles` are [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
+    Undecided,
 }
 
 impl MorphImpact {

@@ -3,11 +3,13 @@
 //! - `passes`: contacts that begin and end between two frames: their events and state.
 //! - `ways`: which motion counts, and for whom.
 //! - `times`: times, points, normals and velocities of impacts.
+//! - `torture`: motions that collapse, blow up or mirror bodies, and a bound on their work.
 //! - `judged`: random motion, compared with brute force over all vertices, faces and edges.
 
 mod judged;
 mod passes;
 mod times;
+mod torture;
 mod ways;
 
 use bevy::prelude::*;

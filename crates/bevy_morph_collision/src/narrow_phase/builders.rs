@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use morph_collision::QueryStats;
 use morph_collision::batch::Workers;
 
+use super::motion::{SHARED_STEPS, STEPS_PER_PAIR, Way};
 use super::starts::Starts;
 use super::touch::{Found, Touch};
 use super::{Asked, Pair, Placed};
@@ -55,7 +56,26 @@ pub(super) struct Builders {
 struct Builder {
     touch: Touch,
     stats: QueryStats,
+    swept: QueryStats,
     answers: Vec<(Pair, Answer)>,
+    postponed: Vec<Postponed>,
+}
+
+/// A pair that needs more work than each pair may take, to find out how its contact began. `way` is what was found out so far.
+struct Postponed {
+    asked: Asked,
+    contact: Option<MorphContact>,
+    way: Way,
+}
+
+/// The work of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Work {
+    pub(super) stats: QueryStats,
+    /// The part of it that was spent on pairs on their way.
+    pub(super) swept: QueryStats,
+    /// The pairs whose work was cut short.
+    pub(super) limited_pairs: u64,
 }
 
 impl Builders {
@@ -70,7 +90,7 @@ impl Builders {
         jobs: &mut [Job],
         limit: usize,
         answers: &mut Vec<(Pair, Answer)>,
-    ) -> QueryStats {
+    ) -> Work {
         let costly = jobs.iter().filter(|job| job.is_costly()).count();
         let blocks: Vec<Mutex<&mut [Job]>> = jobs
             .chunk_by_mut(|one, other| one.asked.places.0 == other.asked.places.0)
@@ -87,7 +107,9 @@ impl Builders {
             // They are empty, unless a run ended with a panic.
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             builder.stats = QueryStats::default();
+            builder.swept = QueryStats::default();
             builder.answers.clear();
+            builder.postponed.clear();
         }
         let (builders, seconds, next) = (&self.builders, self.seconds, AtomicUsize::new(0));
         let work = |thread: usize| {
@@ -103,13 +125,62 @@ impl Builders {
         } else {
             workers.run(&work);
         }
-        let mut stats = QueryStats::default();
+        let (mut work, mut postponed) = (Work::default(), Vec::new());
         for builder in &mut self.builders {
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
-            stats += std::mem::take(&mut builder.stats);
+            work.stats += std::mem::take(&mut builder.stats);
+            work.swept += std::mem::take(&mut builder.swept);
             answers.append(&mut builder.answers);
+            postponed.append(&mut builder.postponed);
         }
-        stats
+        self.decide((placed, starts), postponed, answers, &mut work);
+        work.stats += work.swept;
+        work
+    }
+
+    /// Looks at postponed pairs again. They share a limit of work, whatever the number of threads.
+    fn decide(
+        &mut self,
+        of_bodies: (&[Placed<'_>], &Starts),
+        mut postponed: Vec<Postponed>,
+        answers: &mut Vec<(Pair, Answer)>,
+        work: &mut Work,
+    ) {
+        let Some(builder) = self.builders.first_mut() else {
+            return;
+        };
+        let touch = &mut builder.get_mut().unwrap_or_else(PoisonError::into_inner).touch;
+        postponed.sort_unstable_by_key(|postponed| postponed.asked.pair);
+        let (mut left, mut pairs) = (SHARED_STEPS, postponed.len() as u64);
+        for Postponed {
+            asked,
+            contact,
+            mut way,
+        } in postponed
+        {
+            let share = left / pairs;
+            pairs -= 1;
+            if share > STEPS_PER_PAIR {
+                way = touch.way(of_bodies, asked, self.seconds, share, &mut work.swept);
+                left = left.saturating_sub(touch.motion.steps());
+            }
+            work.limited_pairs += u64::from(matches!(way, Way::Undecided(_)));
+            answers.push((asked.pair, Answer::new(of_bodies.0, asked, contact, way)));
+        }
+    }
+}
+
+impl Answer {
+    fn new(placed: &[Placed<'_>], asked: Asked, contact: Option<MorphContact>, way: Way) -> Self {
+        let impact = match way {
+            Way::Apart => None,
+            Way::Touching(impact) | Way::Undecided(impact) => Some(impact),
+        };
+        match (contact, impact) {
+            (Some(contact), impact) => Self::Touching(MorphContact { impact, ..contact }),
+            (None, Some(impact)) => Self::Passed(MorphContact::passed(asked, placed, impact)),
+            (None, None) => Self::Apart,
+        }
     }
 }
 
@@ -117,14 +188,20 @@ impl Builder {
     fn build(&mut self, (placed, starts): (&[Placed<'_>], &Starts), job: &mut Job, limit: usize, seconds: f64) {
         let Job { asked, found } = job;
         let contact = self.touch.contact(placed, *asked, found, limit, &mut self.stats);
-        let is_swept = asked.is_swept;
-        let impact = is_swept.then(|| self.touch.impact((placed, starts), *asked, seconds, &mut self.stats));
-        let answer = match (contact, impact.flatten()) {
-            (Some(contact), impact) => Answer::Touching(MorphContact { impact, ..contact }),
-            (None, Some(impact)) => Answer::Passed(MorphContact::passed(*asked, placed, impact)),
-            (None, None) => Answer::Apart,
+        let way = if asked.is_swept {
+            let of_bodies = (placed, starts);
+            self.touch
+                .way(of_bodies, *asked, seconds, STEPS_PER_PAIR, &mut self.swept)
+        } else {
+            Way::Apart
         };
-        self.answers.push((asked.pair, answer));
+        let asked = *asked;
+        if let Way::Undecided(_) = way {
+            self.postponed.push(Postponed { asked, contact, way });
+        } else {
+            self.answers
+                .push((asked.pair, Answer::new(placed, asked, contact, way)));
+        }
     }
 }
 
@@ -243,10 +320,10 @@ mod tests {
         swept.remember(&was);
         let mut starts = Starts::default();
         starts.prepare(&jobs, &placed, &swept);
-        let stats = Builders::default().run(workers, (&placed, &starts), &mut jobs, usize::MAX, &mut answers);
+        let work = Builders::default().run(workers, (&placed, &starts), &mut jobs, usize::MAX, &mut answers);
         answers.sort_by_key(|(pair, _)| *pair);
         assert_eq!(answers.len(), jobs.len());
-        (answers, stats)
+        (answers, work.stats)
     }
 
     #[test]

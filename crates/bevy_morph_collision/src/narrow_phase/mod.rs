@@ -191,13 +191,16 @@ impl Scratch {
             }
         }
         diagnostics.swept_pairs = self.starts.prepare(&jobs, &placed, swept);
-        diagnostics.stats += self.builders.run(
+        let work = self.builders.run(
             &TaskPoolWorkers,
             (&placed, &self.starts),
             &mut jobs,
             self.limit,
             &mut self.answers,
         );
+        diagnostics.stats += work.stats;
+        diagnostics.swept_stats = work.swept;
+        diagnostics.limited_pairs = work.limited_pairs;
         unchanged
     }
 

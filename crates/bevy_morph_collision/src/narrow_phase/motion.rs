@@ -1,40 +1,91 @@
-//! Finds the first contact of two meshes on their way from the last run to this one.
+//! Finds the first contact of two meshes on their way from the last run to this one, within a limit of work.
 
 use bevy::math::{DVec3, Vec3};
-use morph_collision::motion::{Features, MotionContact, MovingBody};
+use morph_collision::motion::{Features, LimitReached, MotionContact, MovingBody};
 use morph_collision::{MorphModel, QueryStats, TrianglePair};
 
 use super::starts::Starts;
 use super::touch::Touch;
 use super::{Asked, Placed};
 use crate::collider::MorphCollisionMode;
-use crate::contacts::MorphContact;
+use crate::contacts::{MorphContact, no_triangles};
 use crate::impact::{MorphFeatures, MorphImpact};
 
 /// The largest difference between the two ends of a time of impact, relative to the time between two runs.
 const TOLERANCE: f64 = 1e-6;
 
+/// The steps of work ([`MotionQuery::with_limit`](morph_collision::motion::MotionQuery::with_limit)) that each pair may take: about half a
+/// millisecond, ten times what two characters take that fly through each other.
+pub(super) const STEPS_PER_PAIR: u64 = 200_000;
+/// The additional steps that pairs share which need more: about 8 ms.
+pub(super) const SHARED_STEPS: u64 = 3_000_000;
+
+/// What is known about two meshes on their way.
+pub(super) enum Way {
+    /// They do not touch on it, or the way of one of them is not known.
+    Apart,
+    Touching(MorphImpact),
+    /// There was not enough work left. If they touch, they do not touch before this time.
+    Undecided(MorphImpact),
+}
+
 impl Touch {
-    /// The first contact on the way; `None` if they do not touch on it, or if the way of one of them is not known.
-    pub(super) fn impact(
+    /// The first contact on the way, within so many steps of work.
+    pub(super) fn way(
         &mut self,
         (placed, starts): (&[Placed<'_>], &Starts),
         asked: Asked,
         seconds: f64,
+        steps: u64,
         stats: &mut QueryStats,
-    ) -> Option<MorphImpact> {
+    ) -> Way {
         let [a, b] = [&placed[asked.places.0], &placed[asked.places.1]];
-        let (start_a, start_b) = (starts.of(a)?, starts.of(b)?);
+        let (Some(start_a), Some(start_b)) = (starts.of(a), starts.of(b)) else {
+            return Way::Apart;
+        };
         // Each locks its pose: in ascending order, and the start of a collider after its end.
-        let (mut end_a, mut start_a) = (a.mesh()?, start_a.mesh());
-        let (mut end_b, mut start_b) = (b.mesh()?, start_b.mesh());
-        let body_a = MovingBody::new(start_a.body(), end_a.body()).ok()?;
-        let body_b = MovingBody::new(start_b.body(), end_b.body()).ok()?;
-        let contact = self.motion.first(body_a, body_b, TOLERANCE);
+        let (Some(mut end_a), mut mesh_a) = (a.mesh(), start_a.mesh()) else {
+            return Way::Apart;
+        };
+        let (Some(mut end_b), mut mesh_b) = (b.mesh(), start_b.mesh()) else {
+            return Way::Apart;
+        };
+        let body_a = MovingBody::new(mesh_a.body(), end_a.body());
+        let body_b = MovingBody::new(mesh_b.body(), end_b.body());
+        let (Ok(body_a), Ok(body_b)) = (body_a, body_b) else {
+            return Way::Apart;
+        };
+        self.motion.set_limit(steps);
+        let first = self.motion.first(body_a, body_b, TOLERANCE);
         *stats += self.motion.stats();
-        let contact = contact?;
-        let models = [&end_a, &end_b].map(|end| end.pose.bvh().model().as_ref());
-        Some(impact(&contact, models, seconds))
+        match first {
+            Ok(None) => Way::Apart,
+            Ok(Some(contact)) => {
+                let models = [&end_a, &end_b].map(|end| end.pose.bvh().model().as_ref());
+                let impact = impact(&contact, models, seconds);
+                if impact.latest - impact.earliest > TOLERANCE {
+                    Way::Undecided(impact)
+                } else {
+                    Way::Touching(impact)
+                }
+            }
+            Err(LimitReached { not_before }) => {
+                let [of_a, of_b] = [(a, start_a), (b, start_b)].map(|(now, start)| {
+                    let way = now.placement.bounds.union(&start.bounds);
+                    (way.min, way.max)
+                });
+                Way::Undecided(MorphImpact {
+                    earliest: not_before,
+                    latest: 1.0,
+                    point: of_a.0.max(of_b.0).midpoint(of_a.1.min(of_b.1)),
+                    normal: Vec3::ZERO,
+                    velocity: Vec3::ZERO,
+                    features: MorphFeatures::Undecided,
+                    triangles: no_triangles(),
+                    barycentrics: [Vec3::ZERO; 2],
+                })
+            }
+        }
     }
 }
 
@@ -92,8 +143,8 @@ impl MorphContact {
     /// The contact of a pair that touched only on its way.
     pub(super) fn passed(asked: Asked, placed: &[Placed<'_>], impact: MorphImpact) -> Self {
         let contact = Self::of(asked, [&placed[asked.places.0], &placed[asked.places.1]]);
-        let triangles = match asked.mode {
-            MorphCollisionMode::Any => Vec::new(),
+        let triangles = match (asked.mode, impact.features) {
+            (MorphCollisionMode::Any, _) | (_, MorphFeatures::Undecided) => Vec::new(),
             _ => vec![impact.triangles],
         };
         Self {

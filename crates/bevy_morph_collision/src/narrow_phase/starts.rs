@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bevy::ecs::entity::EntityHashMap;
-use morph_collision::{Pose, WorldFromModel};
+use morph_collision::{Aabb, Pose, WorldFromModel};
 
 use super::builders::Job;
 use super::{Placed, UsedMesh};
@@ -16,6 +16,8 @@ pub(super) struct Starts(EntityHashMap<Start>);
 
 /// Where a mesh was, and its shape there.
 pub(super) struct Start {
+    /// Around the mesh, in the world.
+    pub(super) bounds: Aabb,
     place: WorldFromModel,
     pose: LockedPose,
     is_used: bool,
@@ -58,9 +60,11 @@ impl Starts {
 impl Start {
     /// `None` if it was not there. `known` is its second pose, if it has one already.
     fn new(placed: &Placed<'_>, swept: &SweptPairs, known: Option<LockedPose>) -> Option<Self> {
-        let Form::Mesh(place) = swept.before(placed.entity)?.form else {
+        let before = swept.before(placed.entity)?;
+        let Form::Mesh(place) = before.form else {
             return None;
         };
+        let bounds = before.bounds;
         let now = placed.pose.as_ref()?.lock();
         let known = known.filter(|pose| Arc::ptr_eq(pose.lock().bvh(), now.bvh()));
         let mut pose = known.unwrap_or_else(|| LockedPose::new(Pose::new(now.bvh().clone())));
@@ -72,7 +76,12 @@ impl Start {
             joints && before.set_weights(now.weights()).is_ok()
         };
         let is_used = true;
-        is_known.then_some(Self { place, pose, is_used })
+        is_known.then_some(Self {
+            bounds,
+            place,
+            pose,
+            is_used,
+        })
     }
 
     /// The mesh, for queries. Waits while another thread uses it.

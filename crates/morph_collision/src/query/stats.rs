@@ -9,11 +9,12 @@ pub struct QueryStats {
     pub node_tests: u64,
     /// Triangles, or pairs of triangles, tested.
     pub triangle_tests: u64,
+    /// Triangle pairs with overlapping boxes that the `f64` filter could not decide, so that exact arithmetic was needed.
+    pub undecided_by_filter: u64,
     /// Pairs of a vertex and a face, or of two edges, tested by a [`MotionQuery`](crate::motion::MotionQuery).
     pub feature_tests: u64,
-    /// Triangle pairs with overlapping boxes that the `f64` filter could not decide, so that exact arithmetic was needed. For
-    /// motion, pairs of features.
-    pub undecided_by_filter: u64,
+    /// Those of them that needed exact polynomials, tens of microseconds each.
+    pub exact_feature_tests: u64,
     /// Nodes whose bounds were blended. Bounds that are cached for the current weights are not blended again.
     pub nodes_blended: u64,
     /// Vertices blended. A leaf blends all its vertices each time a query reads it. Pairs that the `f32` filter cannot decide blend
@@ -38,6 +39,7 @@ impl QueryStats {
             node_tests: combine(self.node_tests, other.node_tests),
             triangle_tests: combine(self.triangle_tests, other.triangle_tests),
             feature_tests: combine(self.feature_tests, other.feature_tests),
+            exact_feature_tests: combine(self.exact_feature_tests, other.exact_feature_tests),
             undecided_by_filter: combine(self.undecided_by_filter, other.undecided_by_filter),
             nodes_blended: combine(self.nodes_blended, other.nodes_blended),
             vertices_blended: combine(self.vertices_blended, other.vertices_blended),

@@ -127,7 +127,7 @@ fn extreme_motions_take_no_more_work_than_the_limit() {
                 query.any(a.moving(), b.moving()).is_ok()
             };
             let (stats, name) = (query.stats(), extreme.name);
-            assert!(stats.undecided_by_filter <= MOST_EXACT, "{name}: {stats:?}");
+            assert!(stats.exact_feature_tests <= MOST_EXACT, "{name}: {stats:?}");
             assert!(
                 stats.node_tests + stats.triangle_tests <= LIMIT + 100,
                 "{name}: {stats:?}"

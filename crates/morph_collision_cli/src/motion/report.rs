@@ -129,7 +129,7 @@ impl MotionReport {
             node_tests: stats.node_tests,
             triangle_tests: stats.triangle_tests,
             feature_tests: stats.feature_tests,
-            exact_tests: stats.undecided_by_filter,
+            exact_tests: stats.exact_feature_tests,
         }
     }
 

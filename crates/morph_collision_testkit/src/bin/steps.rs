@@ -106,7 +106,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!(
         "touch in {touching} of {STEPS} steps; {} node tests, {} triangle tests, {} feature tests, {} of them exact",
-        work.node_tests, work.triangle_tests, work.feature_tests, work.undecided_by_filter
+        work.node_tests, work.triangle_tests, work.feature_tests, work.exact_feature_tests
     );
     Ok(())
 }

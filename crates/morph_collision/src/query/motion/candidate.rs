@@ -149,6 +149,6 @@ fn counted<T>(stats: &mut QueryStats, test: impl FnOnce(&mut StageCounts) -> T) 
     let mut stages = StageCounts::default();
     let answer = test(&mut stages);
     stats.feature_tests += stages.total();
-    stats.undecided_by_filter += stages.exact;
+    stats.exact_feature_tests += stages.exact;
     answer
 }

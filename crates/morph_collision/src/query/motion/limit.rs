@@ -22,5 +22,5 @@ pub(super) const DEFAULT_LIMIT: u64 = 1 << 36;
 pub(super) fn steps(stats: &QueryStats) -> u64 {
     const FEATURES: u64 = 64;
     const EXACT: u64 = 10_000;
-    stats.node_tests + stats.triangle_tests + FEATURES * stats.feature_tests + EXACT * stats.undecided_by_filter
+    stats.node_tests + stats.triangle_tests + FEATURES * stats.feature_tests + EXACT * stats.exact_feature_tests
 }

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use super::ball::BallBox;
 use super::candidate::{Candidate, Test, between, within};
-use super::limit::DEFAULT_LIMIT;
+use super::limit::{DEFAULT_LIMIT, steps};
 use super::triangle::MovingTriangle;
 use super::walk::{MotionWalk, Search};
 use super::{BallImpact, Features, LimitReached, MotionContact, MovingBall, MovingBody, TimeOfImpact};
@@ -86,6 +86,12 @@ impl MotionQuery {
     /// Changes the limit ([`MotionQuery::with_limit`]).
     pub fn set_limit(&mut self, steps: u64) {
         self.limit = steps;
+    }
+
+    /// The work of the last call, in the steps of [`MotionQuery::with_limit`].
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        steps(&self.stats)
     }
 
     /// Appends every pair of features that touch, in the order of the walk. Each pair is listed once.

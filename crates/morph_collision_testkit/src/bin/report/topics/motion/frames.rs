@@ -80,7 +80,7 @@ fn walk(model: &Path, rounds: usize) -> Result<Recorded, Box<dyn Error>> {
         way: "walk".to_owned(),
         contacts: contacts.len(),
         tested: stats.feature_tests,
-        exactly: stats.undecided_by_filter,
+        exactly: stats.exact_feature_tests,
         milliseconds: 1e3 * seconds,
         measured: String::new(),
     })

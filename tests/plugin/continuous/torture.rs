@@ -51,8 +51,8 @@ fn torment(app: &mut App, actor: &Actor, rng: &mut Pcg64Mcg) {
         .map_or(actor.entity, |(joints, _)| joints[rng.random_range(0..2)]);
     let mut place = app.world_mut().get_mut::<Transform>(entity).unwrap();
     let mut weights = None;
-    let size = [0.0, 0.0, 0.05, 1.0, 1e-20, 1e6, 1e10, 1e20, 1e37][rng.random_range(0..9)];
-    match rng.random_range(0..12) {
+    let size = [0.0, 0.0, 0.05, 1.0, 1.0, 1e-20, 1e6, 1e10, 1e20, 1e37][rng.random_range(0..10)];
+    match rng.random_range(0..16) {
         0 | 1 => place.scale = Vec3::splat(size),
         2 => place.scale = -place.scale,
         3 => place.scale = [Vec3::X, Vec3::new(1.0, 0.0, 1.0)][rng.random_range(0..2)] * size.clamp(0.1, 1.0),

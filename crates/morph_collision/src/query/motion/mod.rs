@@ -19,6 +19,7 @@ mod ball;
 mod candidate;
 mod collapsed;
 mod contact;
+mod earliest;
 mod leaves;
 mod limit;
 mod moving_body;

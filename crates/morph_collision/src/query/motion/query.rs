@@ -3,10 +3,11 @@ use std::ops::ControlFlow;
 
 use super::ball::BallBox;
 use super::candidate::{Candidate, Test, between, within};
+use super::earliest::Earliest;
 use super::limit::{DEFAULT_LIMIT, steps};
 use super::triangle::MovingTriangle;
 use super::walk::{MotionWalk, Search};
-use super::{BallImpact, Features, LimitReached, MotionContact, MovingBall, MovingBody, TimeOfImpact};
+use super::{BallImpact, Features, LimitReached, MotionContact, MovingBall, MovingBody};
 use crate::query::capped::Capped;
 use crate::query::{PairQuery, QueryStats, TrianglePair};
 
@@ -16,9 +17,9 @@ use crate::query::{PairQuery, QueryStats, TrianglePair};
 /// at the end of the motion, too. A contact that lasts has the time at which it begins.
 ///
 /// Times are shares of the motion, from 0 to 1. `tolerance` is the largest difference between the two ends of a time
-/// ([`TimeOfImpact`]), unless these are neighbouring `f64`s. In lists, the ends never differ by more than `2^-30`. A smaller tolerance
-/// changes how precisely you learn when something touches, never whether it does. Below about 1e-12, every contact takes exact arithmetic. A
-/// negative tolerance or NaN counts as 0.
+/// ([`TimeOfImpact`](super::TimeOfImpact)), unless these are neighbouring `f64`s. Usually the ends differ by at most `2^-30`, however large
+/// the tolerance is. A smaller tolerance changes how precisely you learn when something touches, never whether it does. Below about 1e-12,
+/// every contact takes exact arithmetic. A negative tolerance or NaN counts as 0.
 ///
 /// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through, and pairs of nodes that are never at the
 /// same place at the same time are left out. A translation that both bodies share does not count. If bodies are as small as the rounding
@@ -155,9 +156,9 @@ impl MotionQuery {
 
     /// Returns the first contact, if there is one.
     ///
-    /// Nothing touches before `time.earliest`, and these features touch at `time.latest` or before. Both differ by at most the tolerance. Of
-    /// several contacts that begin in that time, the tree decides which one is returned: a larger tolerance saves the work of telling
-    /// which is first.
+    /// Nothing touches before `time.earliest`, and these features touch at `time.latest` or before. If several contacts have the same time,
+    /// the smallest [`Features`] win. If telling which of very many contacts is the first takes too much work, the answer is one that begins
+    /// at most the tolerance after the first one; which one depends on the tree.
     ///
     /// Bodies that intersect when the motion starts are in contact then ([`AtStart`](super::Features::AtStart)).
     ///
@@ -180,8 +181,9 @@ impl MotionQuery {
         let latest = Cell::new(1.0);
         let walked = self.features(a, b, Search::First(&latest), &mut |candidate, stats| {
             if let Some(contact) = candidate.impact(tolerance, stats) {
-                latest.set(earliest.add(contact.time, contact));
+                earliest.add(contact.time, contact, |contact| contact.features, stats);
             }
+            latest.set(earliest.latest(stats));
             ControlFlow::Continue(())
         });
         self.stats += work;
@@ -211,7 +213,8 @@ impl MotionQuery {
         if any { Ok(true) } else { walked.map(|()| false) }
     }
 
-    /// Returns where a moving ball, or point, first touches a moving body, if it does.
+    /// Returns where a moving ball, or point, first touches a moving body, if it does. If several triangles are touched in the same interval
+    /// of time, the one with the smallest number is returned.
     ///
     /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before
     /// `time.earliest`. It may count as touching although it passes by so closely that this is unclear when the time has been halved to
@@ -262,8 +265,9 @@ impl MotionQuery {
                 contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
             };
             if let Some(impact) = impact {
-                latest.set(earliest.add(impact.time, impact));
+                earliest.add(impact.time, impact, |impact| impact.triangle, stats);
             }
+            latest.set(earliest.latest(stats));
             ControlFlow::Continue(())
         };
         let bodies = (body, bounds.around(ball));
@@ -339,57 +343,5 @@ impl MotionQuery {
             Search::All => between(t, s, stats, test),
             Search::Any | Search::First(_) => between(&t.without_points(), &s.without_points(), stats, test),
         })
-    }
-}
-
-/// The earliest contact so far.
-struct Earliest<T> {
-    tolerance: f64,
-    contact: Option<(TimeOfImpact, T)>,
-}
-
-impl<T> Earliest<T> {
-    /// Contacts count as equally early if their times differ by at most `tolerance`. NaN and negative numbers count as 0.
-    fn new(tolerance: f64) -> Self {
-        Self {
-            tolerance: tolerance.max(0.0),
-            contact: None,
-        }
-    }
-
-    /// Adds a contact. Returns the time from which on others are not earlier.
-    fn add(&mut self, time: TimeOfImpact, contact: T) -> f64 {
-        let ends = |time: &TimeOfImpact| (time.latest, time.earliest);
-        let latest = match &self.contact {
-            Some((first, _)) if ends(first) <= ends(&time) => first.latest,
-            _ => {
-                self.contact = Some((time, contact));
-                time.latest
-            }
-        };
-        self.before(latest)
-    }
-
-    /// The earliest time that differs from this one by at most the tolerance.
-    fn before(&self, latest: f64) -> f64 {
-        let earliest = latest - self.tolerance;
-        if latest - earliest > self.tolerance {
-            earliest.next_up()
-        } else {
-            earliest
-        }
-    }
-
-    /// The contact, and an interval that contains the first time of contact.
-    fn found(self, walked: Result<(), LimitReached>) -> Result<Option<(TimeOfImpact, T)>, LimitReached> {
-        let not_before = match (&self.contact, walked) {
-            (None, walked) => return walked.map(|()| None),
-            (Some((time, _)), Ok(())) => self.before(time.latest).max(0.0),
-            (Some(_), Err(LimitReached { not_before })) => not_before,
-        };
-        Ok(self.contact.map(|(time, contact)| {
-            let earliest = time.earliest.min(not_before);
-            (TimeOfImpact { earliest, ..time }, contact)
-        }))
     }
 }

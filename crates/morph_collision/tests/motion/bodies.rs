@@ -252,6 +252,7 @@ fn steps(rng: &mut Pcg64Mcg) -> [Step; 2] {
 fn contacts_are_those_of_all_pairs_of_features() {
     let mut rng = Pcg64Mcg::seed_from_u64(61);
     let (mut query, mut touching, mut apart, mut tests, mut all) = (MotionQuery::new(), 0, 0, 0, 0);
+    let (mut exactly_first, mut approximately_first) = (0, 0);
     for case in 0..60 {
         let [mut a, mut b] = steps(&mut rng);
         let truth = brute_force(&mut a, &mut b);
@@ -279,13 +280,25 @@ fn contacts_are_those_of_all_pairs_of_features() {
             Some(Features::AtStart(TrianglePair { .. })) => assert!(at_start),
             Some(features) => {
                 assert!(!at_start, "case {case}");
-                // Among equal times, the features decide.
+                let time = first.unwrap().time;
+                // Among equal times, the features decide, unless there are very many.
                 let order = |x: &&Timed, y: &&Timed| {
                     let times = |of: &Timed| (of.1.latest, of.1.earliest);
                     times(x).partial_cmp(&times(y)).unwrap().then(x.0.cmp(&y.0))
                 };
-                let earliest = truth.iter().min_by(order).copied();
-                assert_eq!(Some((features, first.unwrap().time)), earliest, "case {case}");
+                let earliest = truth.iter().min_by(order).copied().unwrap();
+                if (features, time) == earliest {
+                    exactly_first += 1;
+                } else {
+                    let own = truth.iter().find(|contact| contact.0 == features).unwrap().1;
+                    assert!(
+                        time.earliest <= own.earliest && own.latest <= time.latest,
+                        "case {case}"
+                    );
+                    assert!(time.latest - time.earliest <= TOLERANCE, "case {case}");
+                    assert!(time.earliest <= earliest.1.earliest, "case {case}");
+                    approximately_first += 1;
+                }
             }
             None => assert!(!at_start && truth.is_empty(), "case {case}"),
         }
@@ -294,6 +307,10 @@ fn contacts_are_those_of_all_pairs_of_features() {
     assert!(
         touching > 1000 && apart > 5,
         "{touching} contacts, {apart} cases without any"
+    );
+    assert!(
+        exactly_first > 10 && approximately_first < exactly_first / 5,
+        "{exactly_first}, {approximately_first}"
     );
     assert!(tests < all as u64 / 10, "{tests} of {all} pairs of features tested");
 }

@@ -126,6 +126,29 @@ impl<'t> Candidate<'t> {
         }
     }
 
+    /// For two edges, the pairs of a corner of one triangle and the other triangle.
+    pub(super) fn corners(&self) -> impl Iterator<Item = Candidate<'t>> {
+        let [a, b] = self.triangles;
+        let of_edges = matches!(self.pair.kind, Kind::EdgeEdge);
+        let of_both = [(a, b, true), (b, a, false)].into_iter().filter(move |_| of_edges);
+        of_both.flat_map(|(own, other, is_first)| {
+            own.vertices.into_iter().zip(own.points).map(move |(vertex, point)| {
+                let features = if is_first {
+                    Features::VertexFace {
+                        vertex_a: vertex,
+                        triangle_b: other.number,
+                    }
+                } else {
+                    Features::FaceVertex {
+                        triangle_a: other.number,
+                        vertex_b: vertex,
+                    }
+                };
+                Candidate::vertex_face(features, point, [own, other])
+            })
+        })
+    }
+
     pub(super) fn touches(&self, stats: &mut QueryStats) -> bool {
         counted(stats, |stages| self.pair.touch(stages))
     }

@@ -3,7 +3,7 @@ use super::limit::{LimitReached, steps};
 use crate::query::QueryStats;
 
 /// The steps of work ([`steps`]) after the first contact was found in which contacts are compared that begin at about the same time.
-const STEPS_FOR_TIES: u64 = 50_000;
+const STEPS_FOR_TIES: u64 = 100_000;
 
 /// The earliest contact so far, in a search for the first one.
 pub(super) struct Earliest<T> {
@@ -26,21 +26,21 @@ impl<T> Earliest<T> {
         }
     }
 
-    /// Adds a contact. Among equals, the key decides, so that the answer depends on no tree.
+    /// Adds a contact; returns whether it is the earliest now. Among equals, the key decides, so that the answer depends on no tree.
     pub(super) fn add<K: PartialOrd>(
         &mut self,
-        time: TimeOfImpact,
-        contact: T,
+        (time, contact): (TimeOfImpact, T),
         key: impl Fn(&T) -> K,
         stats: &QueryStats,
-    ) {
-        let key = |time: &TimeOfImpact, contact: &T| (time.latest, time.earliest, key(contact));
+    ) -> bool {
+        let order = |time: &TimeOfImpact, contact: &T| (time.latest, time.earliest, key(contact));
         match &self.contact {
             None => self.steps = steps(stats),
-            Some((first_time, first)) if key(first_time, first) <= key(&time, &contact) => return,
+            Some((first_time, first)) if order(first_time, first) <= order(&time, &contact) => return false,
             Some(_) => {}
         }
         self.contact = Some((time, contact));
+        true
     }
 
     /// Features that touch only later need not be looked at. `stats` is the work so far.

@@ -180,8 +180,16 @@ impl MotionQuery {
         let mut earliest = Earliest::new(tolerance);
         let latest = Cell::new(1.0);
         let walked = self.features(a, b, Search::First(&latest), &mut |candidate, stats| {
-            if let Some(contact) = candidate.impact(tolerance, stats) {
-                earliest.add(contact.time, contact, |contact| contact.features, stats);
+            let features = |contact: &MotionContact| contact.features;
+            if let Some(contact) = candidate.impact(tolerance, stats)
+                && earliest.add((contact.time, contact), features, stats)
+            {
+                // Where an edge ends, the normal of its vertex and the face says more than that of two edges.
+                for corner in candidate.corners() {
+                    if let Some(contact) = corner.impact(tolerance, stats) {
+                        earliest.add((contact.time, contact), features, stats);
+                    }
+                }
             }
             latest.set(earliest.latest(stats));
             ControlFlow::Continue(())
@@ -265,7 +273,7 @@ impl MotionQuery {
                 contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
             };
             if let Some(impact) = impact {
-                earliest.add(impact.time, impact, |impact| impact.triangle, stats);
+                earliest.add((impact.time, impact), |impact| impact.triangle, stats);
             }
             latest.set(earliest.latest(stats));
             ControlFlow::Continue(())

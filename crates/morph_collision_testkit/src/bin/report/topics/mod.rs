@@ -17,6 +17,7 @@ mod scale;
 mod self_collisions;
 mod skinned;
 mod threads;
+mod worst_cases;
 
 use std::error::Error;
 
@@ -52,7 +53,7 @@ pub(crate) struct Topic {
 }
 
 /// All topics, in the order in which they are measured.
-pub(crate) const TOPICS: [Topic; 16] = [
+pub(crate) const TOPICS: [Topic; 17] = [
     methods::TOPIC,
     faces::TOPIC,
     skinned::TOPIC,
@@ -67,6 +68,7 @@ pub(crate) const TOPICS: [Topic; 16] = [
     bytes::TOPIC,
     motion::TOPIC,
     self_collisions::TOPIC,
+    worst_cases::TOPIC,
     instructions::TOPIC,
     goals::TOPIC,
 ];

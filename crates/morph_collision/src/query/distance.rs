@@ -17,6 +17,7 @@ use crate::exact::{Triangle, largest};
 use crate::input_error::{InputError, check_length};
 use crate::pose::{Posed, Standing};
 use crate::traverse::{NearestStack, walk_nearest};
+use crate::tree::Leaf;
 
 /// The closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,12 +118,22 @@ impl DistanceQuery {
             leaves_a.begin();
             leaves_b.begin();
             let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
+            let mut repeats = [Repeats::default(); 2];
             let at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, of_a, of_b| {
                 let block_a = leaves_a.read(a, of_a);
                 let block_b = leaves_b.read(b, of_b);
+                let [repeats_a, repeats_b] = &mut repeats;
+                let distinct_b = || leaves_b.triangles(block_b.clone()).iter();
+                let are_new = distinct_b().filter(|(number, corners)| repeats_b.is_new(of_a, *number, corners));
+                if are_new.count() == 0 {
+                    return ControlFlow::Continue(best.limit);
+                }
                 for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
+                    if !repeats_a.is_new(of_b, triangle_a, corners_a) {
+                        continue;
+                    }
                     let extent_a = Extent::of_triangle(corners_a);
-                    for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
+                    for &(triangle_b, ref corners_b) in distinct_b() {
                         // The limit has a margin for rounding.
                         let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
                         if is_farther || best.is_tied_enough(corners_a, corners_b) {
@@ -138,6 +149,24 @@ impl DistanceQuery {
         }
         *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         Ok(best.pair)
+    }
+}
+
+/// Recognises triangles of a body that is a point. All its leaves would be compared with every leaf of the other body that is about as
+/// close.
+#[derive(Clone, Copy, Debug, Default)]
+struct Repeats(Option<(Leaf, u32, Triangle)>);
+
+impl Repeats {
+    /// Whether a triangle differs from the last one that was compared with a leaf, or has a smaller number.
+    fn is_new(&mut self, leaf: Leaf, number: u32, corners: &Triangle) -> bool {
+        let is_repeated = self.0.as_ref().is_some_and(|(last_leaf, last_number, last)| {
+            *last_leaf == leaf && *last_number < number && last == corners
+        });
+        if !is_repeated {
+            self.0 = Some((leaf, number, *corners));
+        }
+        !is_repeated
     }
 }
 

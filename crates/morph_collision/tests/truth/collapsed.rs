@@ -10,7 +10,7 @@ use morph_collision::{
 };
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, random};
-use morph_collision_testkit::oracle::{intersecting_pairs, posed_vertices, world_vertices};
+use morph_collision_testkit::oracle::{intersecting_pairs, point_distance, posed_vertices, world_vertices};
 
 const SCALES: [f32; 14] = [
     0.0, 1e-40, 1e-30, 1e-20, 1e-17, 1e-16, 3e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6,
@@ -232,6 +232,31 @@ fn the_distance_of_bodies_on_parallel_lines_is_measured_without_products_of_tria
             assert!((distance / between - 1.0).abs() < 2e-9, "{distance}, not {between}");
             few(&format!("{apart} apart, turned: {is_turned}"), &stats);
         }
+    }
+}
+
+#[test]
+fn the_distance_of_a_point_from_a_body_around_it_is_measured_without_products_of_triangles() {
+    let mesh = random::random_blob(1, 3, 0, 0.0);
+    let [mut around, mut point] = [pose(&mesh, 8), pose(&mesh, 8)];
+    let (place, at) = (WorldFromModel::IDENTITY, place(Vec3::ZERO, false, 0.0));
+    let point_place = WorldFromModel::new(at).unwrap();
+    let mut query = DistanceQuery::new();
+    let corners = world_vertices(&mesh.positions, &Affine3A::IDENTITY);
+    let distances = mesh.triangles.iter().map(|triangle| {
+        let corners = triangle.map(|corner| corners[corner as usize]);
+        point_distance(at.translation.as_dvec3(), &corners)
+    });
+    let truth = distances.min_by(f64::total_cmp).unwrap();
+    for turn in [false, true] {
+        let (a, b) = (Body::new(&mut around, &place), Body::new(&mut point, &point_place));
+        let (a, b) = if turn { (b, a) } else { (a, b) };
+        let closest = query.closest(a, b, f64::INFINITY).unwrap().unwrap();
+        assert!((closest.distance - truth).abs() < 1e-12, "{closest:?}, {truth}");
+        // Of all triangles of the point, the first one.
+        let of_point = if turn { closest.triangle_a } else { closest.triangle_b };
+        assert_eq!(of_point, 0);
+        few("a point", &query.stats());
     }
 }
 

@@ -293,6 +293,10 @@ avian-report *ARGS:
 characters-report *ARGS:
     cargo run --release -p morph_collision_workspace --example characters_report -- {{ARGS}}
 
+# Regenerates the table of docs/continuous.md in place: the longest updates with continuous bodies that collapse or blow up.
+continuous-report *ARGS:
+    cargo run --release -p morph_collision_workspace --example continuous_report -- {{ARGS}}
+
 # Regenerates the tables and the plot of docs/tolerance.md in place: time against error.
 tolerance-report *ARGS:
     cargo run --release -p morph_collision_workspace --example tolerance_report -- {{ARGS}}

@@ -15,6 +15,8 @@ pub struct QueryStats {
     pub feature_tests: u64,
     /// Those of them that needed exact polynomials, tens of microseconds each.
     pub exact_feature_tests: u64,
+    /// The sum of the bits of their coordinates ([`StageCounts::exact_bits`](crate::motion::StageCounts::exact_bits)).
+    pub exact_bits: u64,
     /// Nodes whose bounds were blended. Bounds that are cached for the current weights are not blended again.
     pub nodes_blended: u64,
     /// Vertices blended. A leaf blends all its vertices each time a query reads it. Pairs that the `f32` filter cannot decide blend
@@ -40,6 +42,7 @@ impl QueryStats {
             triangle_tests: combine(self.triangle_tests, other.triangle_tests),
             feature_tests: combine(self.feature_tests, other.feature_tests),
             exact_feature_tests: combine(self.exact_feature_tests, other.exact_feature_tests),
+            exact_bits: combine(self.exact_bits, other.exact_bits),
             undecided_by_filter: combine(self.undecided_by_filter, other.undecided_by_filter),
             nodes_blended: combine(self.nodes_blended, other.nodes_blended),
             vertices_blended: combine(self.vertices_blended, other.vertices_blended),

@@ -154,9 +154,19 @@ impl FeaturePair {
         let answer = decide_at_ends(self, tolerance);
         if answer == Answer::Open {
             stages.exact += 1;
+            stages.exact_bits += self.bits();
         } else {
             stages.at_ends += 1;
         }
         answer
+    }
+
+    /// Roughly how many bits the coordinates take as multiples of one power of two.
+    fn bits(&self) -> u64 {
+        let ends = self.corners.iter().flat_map(|corner| [corner.start, corner.end]);
+        let coordinates = ends.flat_map(|point| point.to_array()).filter(|c| *c != 0.0);
+        let exponents = coordinates.map(|c| (c.abs().to_bits() >> 52) as i64);
+        let (least, most) = exponents.fold((i64::MAX, 0), |(least, most), e| (least.min(e), most.max(e)));
+        most.saturating_sub(least).max(0) as u64 + u64::from(f64::MANTISSA_DIGITS)
     }
 }

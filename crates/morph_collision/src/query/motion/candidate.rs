@@ -173,5 +173,6 @@ fn counted<T>(stats: &mut QueryStats, test: impl FnOnce(&mut StageCounts) -> T) 
     let answer = test(&mut stages);
     stats.feature_tests += stages.total();
     stats.exact_feature_tests += stages.exact;
+    stats.exact_bits += stages.exact_bits;
     answer
 }

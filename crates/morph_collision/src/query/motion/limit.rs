@@ -21,6 +21,6 @@ pub(super) const DEFAULT_LIMIT: u64 = 1 << 36;
 /// what tests of features take in comparison (docs/measurements/motion.md).
 pub(super) fn steps(stats: &QueryStats) -> u64 {
     const FEATURES: u64 = 64;
-    const EXACT: u64 = 10_000;
-    stats.node_tests + stats.triangle_tests + FEATURES * stats.feature_tests + EXACT * stats.exact_feature_tests
+    const EXACT_BIT: u64 = 200;
+    stats.node_tests + stats.triangle_tests + FEATURES * stats.feature_tests + EXACT_BIT * stats.exact_bits
 }

@@ -77,7 +77,7 @@ impl MotionQuery {
     /// Limits the work of every call to about this many steps, which take a few nanoseconds each. By default, calls end after minutes.
     ///
     /// A step is the test of two boxes. A pair of features that the `f64` filter decides counts as 64 steps, and one that takes exact
-    /// arithmetic as 10,000. The search for triangles that intersect when the motion starts is not limited.
+    /// arithmetic as 200 for each bit of its coordinates, more than 10,000. The search for triangles that intersect when the motion starts is not limited.
     #[must_use]
     pub fn with_limit(mut self, steps: u64) -> Self {
         self.set_limit(steps);

@@ -21,6 +21,7 @@ use crate::table::Table;
 
 const NAME: &str = "worst_cases";
 const STILL: &str = "worst_cases_still";
+const ONE: &str = "worst_cases_one";
 const MOTIONS: &str = "worst_cases_motions";
 
 pub(super) const TOPIC: Topic = Topic {
@@ -50,6 +51,7 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
         origin, store, rounds, ..
     } = context;
     store.write(STILL, &still::measure(*rounds, origin)?)?;
+    store.write(ONE, &still::measure_one(*rounds, origin)?)?;
     store.write(MOTIONS, &motions::measure(*rounds, origin)?)
 }
 
@@ -93,26 +95,29 @@ fn milliseconds(rounds: usize, mut work: impl FnMut() -> String) -> (f64, String
 }
 
 fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
-    let (still, motions): (Vec<Case>, Vec<Case>) = (store.rows(STILL)?, store.rows(MOTIONS)?);
+    let [still, one, motions]: [Vec<Case>; 3] = [store.rows(STILL)?, store.rows(ONE)?, store.rows(MOTIONS)?];
     let page = Page {
         name: NAME,
         title: "Worst cases",
         intro: "What queries cost when data is at its worst: two meshes of 1280 triangles each, in milliseconds, with the answer.\n",
         command: "just report --only worst_cases",
-        data: &[STILL, MOTIONS],
+        data: &[STILL, ONE, MOTIONS],
         body: format!(
             "## Bodies at rest\n\n\
              Lists end after 8192 entries, as in the plugin. NaN and infinite numbers are refused on entry and take no query.\n\n{}\n\
+             ## One mesh with itself\n\n\
+             `SelfQuery::up_to` of a mesh with a target that collapses it.\n\n{}\n\
              ## Motions\n\n\
              Bodies in one step from one extreme to another (`extremes` in the test kit), with the limit of work that the plugin gives to a single pair in a\n\
              frame. *limit* means that it was reached: the bodies count as touching, or as touching earlier than they do. *all* lists up to 8192 pairs of\n\
-             features.\n\n{}",
+             features, *within* those of the first body with itself. *ball* is a ball with a radius of 0.3 that flies through the first body.\n\n{}",
             table(&still),
+            table(&one),
             table(&motions),
         ),
         ..Page::default()
     };
-    let rows = still.iter().chain(&motions);
+    let rows = still.iter().chain(&one).chain(&motions);
     Ok(page.about(rows.map(|row| (row.measured.as_str(), row.situation.as_str()))))
 }
 

@@ -1,8 +1,10 @@
 //! Bodies that move.
 
 use std::error::Error;
+use std::ops::ControlFlow;
 
-use morph_collision::motion::{LimitReached, MotionQuery, MovingBody};
+use glam::DVec3;
+use morph_collision::motion::{LimitReached, MotionQuery, MovingBall, MovingBody, MovingPoint};
 use morph_collision::{Pose, WorldFromModel};
 use morph_collision_testkit::extremes::extremes;
 
@@ -17,6 +19,7 @@ type Moving<'a> = Result<[MovingBody<'a>; 2], Box<dyn Error>>;
 pub(super) fn measure(rounds: usize, measured: &str) -> Result<Vec<Case>, Box<dyn Error>> {
     let mut subjects = Subjects::new()?;
     let mut query = MotionQuery::new().with_limit(LIMIT);
+    let ball = MovingBall::new(MovingPoint::new(DVec3::X * -3.0, DVec3::X * 3.0), 0.3)?;
     let mut cases = Vec::new();
     for extreme in extremes() {
         let [a, b] = extreme.places;
@@ -52,6 +55,24 @@ pub(super) fn measure(rounds: usize, measured: &str) -> Result<Vec<Case>, Box<dy
         add("all", &mut |[a, b]| {
             let mut contacts = Vec::new();
             query.up_to(a, b, TOLERANCE, MOST, &mut contacts)?;
+            Ok(contacts.len().to_string())
+        });
+        add("ball", &mut |[a, _]| {
+            let first = query.first_of_ball(&ball, a, TOLERANCE)?;
+            Ok(first.map_or_else(|| "apart".to_owned(), |impact| format!("at {:.1e}", impact.time.latest)))
+        });
+        add("within", &mut |[a, _]| {
+            let mut contacts = Vec::new();
+            let mut listed = 0;
+            query.visit_within(a, TOLERANCE, |contact| {
+                contacts.push(contact);
+                listed += 1;
+                if listed == MOST {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            })?;
             Ok(contacts.len().to_string())
         });
     }

@@ -1,11 +1,16 @@
 //! Bodies at rest.
 
 use std::error::Error;
+use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use morph_collision::{Body, ContactQuery, DistanceQuery, PairQuery, PlacedShape, Ray, RayQuery, ShapeQuery};
+use morph_collision::{
+    Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, PlacedShape, Pose, Ray, RayQuery, SelfQuery,
+    ShapeQuery,
+};
+use morph_collision_testkit::models::random::random_blob;
 
-use super::{Case, MOST, Subjects, bodies, milliseconds, placed};
+use super::{Case, LEVEL, MOST, Subjects, bodies, milliseconds, placed};
 
 /// Placements of two bodies.
 fn situations() -> Vec<(&'static str, [Affine3A; 2])> {
@@ -52,10 +57,7 @@ pub(super) fn measure(rounds: usize, measured: &str) -> Result<Vec<Case>, Box<dy
             let (milliseconds, answer) = milliseconds(rounds, || {
                 let [[a, _], [b, _]] = &mut subjects.poses;
                 // Nothing is known from the round before.
-                (*a, *b) = (
-                    morph_collision::Pose::new(a.bvh().clone()),
-                    morph_collision::Pose::new(b.bvh().clone()),
-                );
+                (*a, *b) = (Pose::new(a.bvh().clone()), Pose::new(b.bvh().clone()));
                 work(bodies([a, b], &places))
             });
             cases.push(Case {
@@ -107,6 +109,42 @@ pub(super) fn measure(rounds: usize, measured: &str) -> Result<Vec<Case>, Box<dy
             rays.all(a, &ray, &mut hits);
             hits.len().to_string()
         });
+    }
+    Ok(cases)
+}
+
+/// A mesh whose weights collapse it, compared with itself.
+pub(super) fn measure_one(rounds: usize, measured: &str) -> Result<Vec<Case>, Box<dyn Error>> {
+    let mut cases = Vec::new();
+    for (situation, kept) in [
+        ("to a point", Vec3::ZERO),
+        ("to a line", Vec3::X),
+        ("to a plane", Vec3::new(1.0, 1.0, 0.0)),
+    ] {
+        let mut mesh = random_blob(1, LEVEL, 0, 0.0);
+        let collapse = mesh.positions.iter().map(|position| *position * kept - *position);
+        mesh.targets.push(collapse.collect());
+        mesh.target_names.push("collapse".to_owned());
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(
+            Arc::new(mesh.to_model()?),
+            &BuildOptions::default(),
+        )));
+        for weight in [1.0, 1.0 - 1e-6, -1.0] {
+            pose.set_weights(&[weight])?;
+            let mut query = SelfQuery::new();
+            let (milliseconds, answer) = milliseconds(rounds, || {
+                let mut pairs = Vec::new();
+                query.up_to(&mut pose, MOST, &mut pairs);
+                pairs.len().to_string()
+            });
+            cases.push(Case {
+                situation: situation.to_owned(),
+                query: format!("weight {weight}"),
+                milliseconds,
+                answer,
+                measured: measured.to_owned(),
+            });
+        }
     }
     Ok(cases)
 }

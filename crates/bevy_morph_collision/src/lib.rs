@@ -190,7 +190,10 @@ mod import;
 mod joints;
 mod layers;
 mod lent_poses;
+mod misuse;
+mod names;
 mod narrow_phase;
+mod needs;
 // Each engine uses only part of it.
 #[cfg(any(feature = "rapier", feature = "avian"))]
 #[cfg_attr(not(all(feature = "rapier", feature = "avian")), allow(dead_code))]
@@ -203,11 +206,17 @@ mod plugins;
 mod rapier;
 mod readiness;
 mod scene;
+mod scene_outcomes;
 mod self_collisions;
 mod settings;
 mod shape;
 mod skeletons;
 mod spatial;
+#[cfg(feature = "gltf")]
+mod spawned_scenes;
+#[cfg(not(feature = "gltf"))]
+#[path = "no_spawned_scenes.rs"]
+mod spawned_scenes;
 mod tolerance;
 mod velocities;
 mod weights;

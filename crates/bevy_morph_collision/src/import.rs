@@ -18,7 +18,7 @@ mod users;
 pub(crate) use decode::uv_of;
 #[cfg(feature = "gltf")]
 pub(crate) use gltf::repair_split_meshes;
-pub(crate) use load_failures::follow_load_failures;
+pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures};
 pub use mesh_data::ImportError;
 pub use progress::MorphTreeProgress;
 pub(crate) use skin_data::influences_of;

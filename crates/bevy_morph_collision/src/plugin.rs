@@ -33,6 +33,8 @@ use crate::{
 
 /// Detects collisions between [`MorphCollider`]s: by default every frame, in [`PostUpdate`].
 ///
+/// Usually you add it with [`MorphPlugins`](crate::MorphPlugins), which contains it.
+///
 /// To change how trees are built, insert [`DefaultMorphTreeSettings`] before you add the plugin.
 #[derive(Clone, Copy, Debug)]
 pub struct MorphCollisionPlugin {
@@ -94,6 +96,7 @@ impl Plugin for TreesPlugin {
         import::repair_split_meshes(app);
         app.init_resource::<DefaultMorphTreeSettings>()
             .init_resource::<MorphTrees>()
+            .init_resource::<import::LoadFailures>()
             .register_type::<DefaultMorphTreeSettings>()
             .register_type::<MorphTreeSettings>()
             .register_type::<MorphTrees>()
@@ -110,7 +113,7 @@ impl Plugin for TreesPlugin {
                 (
                     import::follow_asset_events,
                     import::start_trees,
-                    import::follow_load_failures,
+                    import::follow_load_failures.run_if(import::any_may_fail),
                     import::drop_unused_trees,
                     import::finish_trees,
                 )

@@ -41,6 +41,9 @@ use crate::scene_outcomes::OpenScenes;
 /// It works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand. Either the component or the
 /// meshes can come first, and meshes that appear later are found too. Parts of one body never collide with each other.
 ///
+/// If the scene makes no colliders, or a name in [`only_named`](Self::only_named) matches nothing, a warning in the log says why: for a
+/// scene from an asset when it is spawned, otherwise after some seconds.
+///
 /// You can edit or re-insert the component at any time. Meshes that no longer match stop being parts, and meshes that now match
 /// become parts. Removing the component turns all parts back into ordinary meshes.
 ///

@@ -7,25 +7,29 @@ use super::mesh_tree::MeshTree;
 use super::tree_key::TreeKey;
 use super::trees::MorphTrees;
 
+/// The trees whose meshes could not be loaded.
+#[derive(Resource, Default)]
+pub(crate) struct LoadFailures(Vec<TreeKey>);
+
+/// Whether a mesh is waited for, or could not be loaded.
+pub(crate) fn any_may_fail(trees: Res<MorphTrees>, failures: Res<LoadFailures>) -> bool {
+    !trees.waiting.is_empty() || !failures.0.is_empty()
+}
+
 /// Gives up on requested meshes that cannot be loaded, and takes up again those that were loaded after all, such as on a second try.
-///
-/// Costs nothing unless a mesh is waited for or has failed to load.
 pub(crate) fn follow_load_failures(
     mut trees: ResMut<MorphTrees>,
+    mut failures: ResMut<LoadFailures>,
     meshes: Res<Assets<Mesh>>,
     complaints: Complaints,
-    mut failed: Local<Vec<TreeKey>>,
 ) {
-    if trees.waiting.is_empty() && failed.is_empty() {
-        return;
-    }
     let MorphTrees {
         of_mesh,
         waiting,
         stale,
         ..
     } = trees.bypass_change_detection();
-    failed.retain(|key| {
+    failures.0.retain(|key| {
         let is_loaded = meshes.contains(key.mesh);
         if is_loaded {
             of_mesh.remove(key);
@@ -40,7 +44,7 @@ pub(crate) fn follow_load_failures(
         let mut entry = MeshTree::new(asked_by);
         entry.fail(key.mesh, error, &complaints);
         of_mesh.insert(key, entry);
-        failed.push(key);
+        failures.0.push(key);
         false
     });
 }

@@ -1,0 +1,94 @@
+//! The plugin's example with crates on a heaving hill, run without a window and checked against the vertices of the file.
+
+#[allow(dead_code, reason = "its `main` opens a window, and is not called")]
+#[path = "../../crates/bevy_morph_collision/examples/avian_hill.rs"]
+mod avian_hill;
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+use std::time::Duration;
+
+use avian3d::parry::math::Pose;
+use avian3d::parry::query::{PointQuery, Ray, RayCast};
+use avian3d::parry::shape::TriMesh;
+use avian3d::prelude::*;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::pbr::StandardMaterial;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
+use morph_collision_workspace::app::{update_until, without_collisions};
+
+use crate::log::{Errors, start};
+use crate::support::DT;
+use avian_hill::{Crate, EDGE, game};
+
+/// The hill's current shape in the world.
+fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
+    let mut nodes = app.world_mut().query::<&MorphWeights>();
+    let weights = nodes.single(app.world()).expect("there is one").weights().to_vec();
+    let mut parts = app
+        .world_mut()
+        .query_filtered::<&GlobalTransform, (With<MeshMorphWeights>, With<MorphAvianCollider>, With<Friction>)>();
+    let place = *parts.single(app.world()).expect("it is in physics, and rough");
+    let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
+    let vertices = world_vertices(&posed, &place.affine());
+    let vertices = vertices.into_iter().map(|vertex| vertex.as_vec3()).collect();
+    TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh with triangles")
+}
+
+#[test]
+fn crates_are_carried_by_a_heaving_hill_and_none_falls_through() {
+    Errors::collect(|errors| {
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+        let file = assets.join("heaving_body_5120.glb");
+        let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
+        let mut app = without_collisions(&assets);
+        app.add_plugins(PhysicsPlugins::default())
+            .add_plugins((MorphPlugins::default(), game))
+            .insert_resource(Time::<Fixed>::from_duration(Duration::from_secs_f32(DT)))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(DT)))
+            .init_asset::<StandardMaterial>();
+        start(&mut app);
+        let mut crates = app.world_mut().query_filtered::<(Entity, &Position), With<Crate>>();
+        update_until(&mut app, &file, |world| Ok(crates.iter(world).count() > 0)).expect("it starts to rain");
+        let mut before: HashMap<Entity, Vec3> = HashMap::new();
+        let (mut touched, mut carried, mut lifted) = (HashSet::new(), HashSet::new(), HashSet::new());
+        let mut deepest = f32::INFINITY;
+        for _ in 0..900 {
+            app.update();
+            let hill = truth(&mut app, &mesh);
+            let now: Vec<(Entity, Vec3)> = crates.iter(app.world()).map(|(it, at)| (it, at.0)).collect();
+            for (it, at) in now {
+                let distance = hill.distance_to_point(&Pose::IDENTITY, at, false);
+                deepest = deepest.min(distance);
+                if distance < EDGE {
+                    touched.insert(it);
+                }
+                // Between two steps its middle does not cross the surface.
+                if let Some(last) = before.get(&it).filter(|&&last| last != at) {
+                    let way = Ray::new(*last, at - *last);
+                    assert!(
+                        !hill.intersects_ray(&Pose::IDENTITY, &way, 1.0),
+                        "a crate falls through at {at}"
+                    );
+                    // Nothing but the hill lifts what lies on it.
+                    if distance < EDGE && at.y - last.y > 0.1 * DT {
+                        lifted.insert(it);
+                    }
+                    if distance < EDGE && (at - *last).xz().length() > 0.2 * DT {
+                        carried.insert(it);
+                    }
+                }
+                before.insert(it, at);
+            }
+        }
+        let counts = (touched.len(), carried.len(), lifted.len());
+        assert!(deepest > 0.25 * EDGE, "a crate's middle came as near as {deepest}");
+        assert!(counts.0 >= 30 && counts.1 >= 20 && counts.2 >= 10, "{counts:?}");
+        assert_eq!((errors.take(), errors.take_warnings()), (vec![], vec![]));
+    });
+}

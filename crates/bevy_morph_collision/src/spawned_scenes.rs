@@ -7,6 +7,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::world_serialization::{WorldInstance, WorldInstanceSpawner};
 
+use crate::import::ImportError;
 use crate::names::Names;
 use crate::scene_outcomes::SceneState;
 
@@ -53,8 +54,12 @@ impl SpawnedScenes<'_, '_> {
         ),
         names: &Names,
     ) -> SceneState {
-        let spawner = self.spawner.as_ref().zip(instance);
-        if spawner.is_some_and(|(spawner, instance)| spawner.instance_is_ready(**instance)) {
+        let Some(spawner) = &self.spawner else {
+            let reason =
+                "nobody spawns scenes. Add `WorldSerializationPlugin` to the app (`DefaultPlugins` contains it)";
+            return SceneState::Failed(ImportError::NotLoaded(reason.into()));
+        };
+        if instance.is_some_and(|instance| spawner.instance_is_ready(**instance)) {
             return SceneState::Spawned;
         }
         let scene: Option<UntypedAssetId> = scene.map(|scene| scene.id().untyped());

@@ -55,6 +55,24 @@ fn an_app_without_transforms_names_the_plugin() {
 }
 
 #[test]
+fn a_scene_that_nobody_spawns_names_the_plugin() {
+    let (errors, warnings) = logged(|app| {
+        app.add_plugins((
+            TransformPlugin,
+            AssetPlugin::default(),
+            MeshPlugin,
+            MorphPlugins::default(),
+        ))
+        .add_systems(Startup, |mut commands: Commands| {
+            let scene = (WorldAssetRoot::default(), MorphColliderScene::default());
+            commands.spawn((scene, Name::new("Boss")));
+        });
+    });
+    assert_eq!((errors.len(), warnings.len()), (1, 0), "{errors:?} {warnings:?}");
+    says(&errors[0], &["`Boss`", "`WorldSerializationPlugin`"]);
+}
+
+#[test]
 fn colliders_without_the_collision_plugin_are_told() {
     let (errors, warnings) = logged(|app| {
         app.add_plugins((TransformPlugin, AssetPlugin::default(), MeshPlugin, MorphBoundsPlugin))

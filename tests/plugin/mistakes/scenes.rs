@@ -2,6 +2,7 @@
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
+use bevy::world_serialization::WorldAsset;
 use bevy_morph_collision::prelude::*;
 
 use super::{PATIENCE, files, is_fine, load, only_warning, run, says, spawn_scene, warning_about, with_app};
@@ -120,6 +121,12 @@ fn a_scene_without_meshes_is_told_after_some_time() {
             .spawn((Name::new("Spawner"), MorphColliderScene::default()));
     });
     says(&warning, &["`Spawner`", "no meshes at or below", "`WorldAssetRoot`"]);
+    // A scene below it may bring them.
+    is_fine(|app| {
+        let reserved = app.world().resource::<Assets<WorldAsset>>().reserve_handle();
+        let root = (MorphColliderScene::default(), children![WorldAssetRoot(reserved)]);
+        app.world_mut().spawn(root);
+    });
     is_fine(|app| {
         let root = app.world_mut().spawn(MorphColliderScene::default()).id();
         run(app, 250);

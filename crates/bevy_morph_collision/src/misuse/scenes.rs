@@ -24,7 +24,8 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &
     let Some(scene) = subject.scene else { return Look::Done };
     let state = around.spawned.state(subject.entity, &around.names);
     match state {
-        None if is_new => return Look::Again,
+        // A scene may be spawned below it.
+        None if is_new || around.spawned.any_is_pending(&around.names) => return Look::Again,
         None | Some(SceneState::Spawned) => {}
         // Noted again when it is spawned. Failures are logged elsewhere.
         Some(_) => return Look::Done,

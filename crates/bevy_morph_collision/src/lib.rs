@@ -152,8 +152,8 @@
 //! [`MorphCollisionSystems`], with the source files of each:
 //!
 //! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`, `readiness`, `scene_outcomes`, `misuse`): turns the parts of a
-//!    [`MorphColliderScene`] into colliders of a body, and meshes into trees. Reports what is ready, what failed, and likely mistakes. Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on
-//!    by default).
+//!    [`MorphColliderScene`] into colliders of a body, and meshes into trees. Reports what is ready, what failed, and likely mistakes.
+//!    Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on by default).
 //! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`, `tolerance`): remembers each collider's previous state, then sets
 //!    its pose to the current weights and joint matrices.
 //! 3. **Broad phase** (`broad_phase`, `continuous`): finds pairs of colliders whose world-space boxes overlap and that

@@ -32,7 +32,8 @@ impl Names<'_, '_> {
         Some(self.entities.get(entity).ok()?.name?.as_str())
     }
 
-    /// The entity, with the file of the mesh that it shows or of the scene that it spawns: `` `Head` (`face.glb#Mesh0/Primitive0`) ``.
+    /// The entity, with the file of the mesh that it shows or of the scene that it spawns:
+    /// `` `Head` (`face.glb#Mesh0/Primitive0`) ``.
     pub(crate) fn with_file(&self, entity: Entity) -> String {
         let name = self.entity(entity);
         match self.file(entity) {

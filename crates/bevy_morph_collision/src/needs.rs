@@ -13,15 +13,13 @@ use crate::scene::MorphColliderScene;
 pub(crate) fn check_meshes(app: &mut App) {
     let world = app.world();
     let missing = if !world.contains_resource::<AssetServer>() {
-        "`AssetPlugin` and `MeshPlugin`"
+        "`AssetPlugin`, and `MeshPlugin` after it"
     } else if !world.contains_resource::<Assets<Mesh>>() {
         "`MeshPlugin`"
     } else {
         return;
     };
-    error!(
-        "nothing collides without {missing}: add them to the app, in this order, or `DefaultPlugins`, which contains them"
-    );
+    error!("nothing collides, because the app lacks {missing}. `DefaultPlugins` contains all that is needed");
     // Systems stop the app if they do not find these.
     app.init_resource::<Assets<Mesh>>().add_message::<AssetEvent<Mesh>>();
 }

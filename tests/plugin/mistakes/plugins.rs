@@ -30,16 +30,17 @@ fn an_app_without_assets_or_meshes_names_the_plugin_and_runs_on() {
     assert_eq!((errors.len(), warnings.len()), (1, 0), "{errors:?} {warnings:?}");
     says(
         &errors[0],
-        &["nothing collides", "`AssetPlugin` and `MeshPlugin`", "`DefaultPlugins`"],
+        &[
+            "nothing collides",
+            "`AssetPlugin`, and `MeshPlugin` after it",
+            "`DefaultPlugins`",
+        ],
     );
     let (errors, warnings) = logged(|app| {
         app.add_plugins((TransformPlugin, AssetPlugin::default(), MorphBoundsPlugin));
     });
     assert_eq!((errors.len(), warnings.len()), (1, 0), "{errors:?} {warnings:?}");
-    says(
-        &errors[0],
-        &["nothing collides without `MeshPlugin`", "`DefaultPlugins`"],
-    );
+    says(&errors[0], &["the app lacks `MeshPlugin`", "`DefaultPlugins`"]);
 }
 
 #[test]

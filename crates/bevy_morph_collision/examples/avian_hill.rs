@@ -1,4 +1,4 @@
-//! Crates rain on a hill that heaves like the back of a sleeping giant. Its waves carry them off, exactly as drawn.
+//! Crates rain on a hill that heaves like the back of a sleeping giant. They ride on its waves, exactly as drawn.
 //!
 //! The hill comes from a glTF file with morph targets and a clip. Put a `MorphAvianScene` on its root, and Avian treats the hill like any other collider. Avian's
 //! components, such as `Friction`, go on its meshes: see `grip`.
@@ -56,7 +56,7 @@ fn set_up(
     commands.spawn((
         WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(HILL))),
         MorphAvianScene::default(),
-        Transform::from_scale(Vec3::splat(3.0)),
+        Transform::from_scale(Vec3::splat(4.0)),
     ));
     commands.spawn((
         RigidBody::Static,
@@ -83,7 +83,7 @@ fn play(
 ) {
     for entity in children.iter_descendants(ready.entity) {
         if let Ok(mut player) = players.get_mut(entity) {
-            player.play(clip.1).repeat();
+            player.play(clip.1).repeat().set_speed(2.0);
             commands.entity(entity).insert(AnimationGraphHandle(clip.0.clone()));
         }
     }

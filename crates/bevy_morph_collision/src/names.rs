@@ -42,6 +42,12 @@ impl Names<'_, '_> {
         }
     }
 
+    /// What distinguishes an entity from others with the same mistake: its file, or else its name.
+    pub(crate) fn about(&self, entity: Entity) -> String {
+        let name = || self.own_name(entity).map(str::to_owned);
+        self.file(entity).or_else(name).unwrap_or_default()
+    }
+
     /// The file and label of the mesh that an entity shows, otherwise of the scene that it spawns.
     pub(crate) fn file(&self, entity: Entity) -> Option<String> {
         if let Ok(mesh) = self.meshes.get(entity) {

@@ -6,7 +6,6 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
-use tracing::error;
 
 use crate::import::ImportError;
 use crate::misuse::Suspects;
@@ -76,10 +75,10 @@ pub(crate) fn report_outcomes(
     settled.sort_unstable_by_key(|(root, _)| *root);
     for (entity, state) in settled {
         if let SceneState::Failed(reason) = state {
-            error!(
-                "the scene of entity {} gets no colliders: {reason}",
-                names.with_file(entity)
-            );
+            suspects.told().error("scene not loaded", names.about(entity), || {
+                let name = names.with_file(entity);
+                format!("the scene of entity {name} gets no colliders: {reason}")
+            });
             commands.trigger(MorphColliderFailed { entity, reason });
         } else {
             suspects.note(entity);

@@ -84,6 +84,20 @@ fn a_scene_that_cannot_be_loaded_fails_with_the_reason_and_ends_loading_screens(
 }
 
 #[test]
+fn a_file_that_cannot_be_loaded_is_logged_once_for_all_scenes_that_show_it() {
+    let (_folder, path) = files();
+    with_app(&path, |app, errors| {
+        listen(app);
+        let file = "missing.glb#Scene0";
+        let roots = [(); 20].map(|()| spawn_scene(app, file, MorphColliderScene::default()));
+        load(app, roots[0]);
+        let failed = |heard: &&Heard| matches!(heard, Heard::Failed(entity, _) if roots.contains(entity));
+        assert_eq!(heard(app).iter().filter(failed).count(), 20);
+        assert_eq!((errors.take().len(), errors.take_warnings()), (1, vec![]));
+    });
+}
+
+#[test]
 fn a_scene_without_colliders_ends_loading_screens() {
     let (_folder, path) = files();
     with_app(&path, |app, _| {

@@ -70,11 +70,9 @@ impl Around<'_, '_> {
         self.names.with_file(entity)
     }
 
-    /// What distinguishes an entity from others with the same mistake: its file, or else its name.
+    /// What distinguishes an entity from others with the same mistake.
     pub(super) fn about(&self, entity: Entity) -> String {
-        let file = self.names.file(entity);
-        file.or_else(|| self.names.own_name(entity).map(str::to_owned))
-            .unwrap_or_default()
+        self.names.about(entity)
     }
 
     /// The tree that an entity uses.

@@ -6,7 +6,7 @@ use std::time::Duration;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
-use tracing::warn;
+use tracing::{error, warn};
 
 /// How long an entity may lack something that its components need.
 pub(super) const PATIENCE: Duration = Duration::from_secs(5);
@@ -61,28 +61,41 @@ impl Suspects {
         }
     }
 
-    pub(super) fn told(&mut self) -> &mut Told {
+    pub(crate) fn told(&mut self) -> &mut Told {
         &mut self.told
     }
 }
 
 /// What has been logged.
 #[derive(Default)]
-pub(super) struct Told(HashMap<&'static str, HashSet<String>>);
+pub(crate) struct Told(HashMap<&'static str, HashSet<String>>);
 
 impl Told {
     /// Logs a warning of a kind, once for each subject: a file, or the name of an entity. A game may spawn the same mistake many times.
     pub(super) fn warn(&mut self, kind: &'static str, about: String, message: impl FnOnce() -> String) {
+        if let Some(rest) = self.news(kind, about) {
+            warn!("{}{rest}", message());
+        }
+    }
+
+    /// The same for an error.
+    pub(crate) fn error(&mut self, kind: &'static str, about: String, message: impl FnOnce() -> String) {
+        if let Some(rest) = self.news(kind, about) {
+            error!("{}{rest}", message());
+        }
+    }
+
+    /// Whether there is something to log: how the message ends.
+    fn news(&mut self, kind: &'static str, about: String) -> Option<&'static str> {
         let subjects = self.0.entry(kind).or_default();
         if subjects.len() >= MAX_OF_A_KIND || !subjects.insert(about) {
-            return;
+            return None;
         }
         let is_last = subjects.len() == MAX_OF_A_KIND;
-        let rest = if is_last {
+        Some(if is_last {
             ". Further ones like it are not logged"
         } else {
             ""
-        };
-        warn!("{}{rest}", message());
+        })
     }
 }

@@ -94,15 +94,13 @@ fn the_changelog_and_all_manifests_name_one_version() -> Outcome {
         .map(|(version, _)| version)
         .find(|version| *version != "Unreleased");
     assert_eq!(newest, Some(own.as_str()), "the newest version in CHANGELOG.md");
-    let lock = read("Cargo.lock")?;
-    let locked = lock
-        .split("[[package]]")
-        .find(|package| package.contains("\nname = \"morph_collision\"\n"));
-    assert_eq!(
-        locked.and_then(|package| quoted_after(package, "version = ")),
-        Some(own.as_str()),
-        "Cargo.lock"
-    );
+    for path in ["Cargo.lock", "fuzz/Cargo.lock"] {
+        let lock = read(path)?;
+        let mut packages = lock.split("[[package]]");
+        let locked = packages.find(|package| package.contains("\nname = \"morph_collision\"\n"));
+        let version = locked.and_then(|package| quoted_after(package, "version = "));
+        assert_eq!(version, Some(own.as_str()), "{path}");
+    }
     Ok(())
 }
 

@@ -24,6 +24,7 @@ mod life_cycle;
 mod live;
 mod log;
 mod manners;
+mod mistakes;
 mod models;
 mod pairs;
 mod picking;

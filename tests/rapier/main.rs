@@ -13,6 +13,7 @@ mod life;
 #[path = "../plugin/log.rs"]
 mod log;
 mod many;
+mod mistakes;
 mod moving;
 mod presence;
 mod queries;

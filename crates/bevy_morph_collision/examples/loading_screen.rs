@@ -3,8 +3,8 @@
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook --example loading_screen`
 //!
-//! For your game, replace `MODELS`, the bar, and what `start` does. A mesh that cannot be used counts as done, and the log says why. If a file is missing, the
-//! game waits for it forever.
+//! For your game, replace `MODELS`, the bar, and what `start` does. A mesh that cannot be used counts as done, and so does a file that is missing: the log says why,
+//! and the game starts without it.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -75,8 +75,13 @@ fn set_up(
 }
 
 /// The first half of the bar is for loading files, the second half for building the trees of their colliders.
-fn fill_bar(trees: Res<MorphTrees>, roots: Query<Has<Children>, With<Model>>, bar: Single<&mut Transform, With<Bar>>) {
-    let loaded = roots.iter().filter(|&is_there| is_there).count() as f32 / MODELS.len() as f32;
+fn fill_bar(
+    trees: Res<MorphTrees>,
+    loaded: Query<(), (With<Model>, Or<(With<Children>, With<Ready>)>)>,
+    bar: Single<&mut Transform, With<Bar>>,
+) {
+    // A model has children once its file is loaded. It is ready without any if that failed.
+    let loaded = loaded.iter().count() as f32 / MODELS.len() as f32;
     // Before the first file is loaded, no tree has been requested and `fraction()` is 1, so weight it by `loaded`.
     let filled = 0.5 * loaded + 0.5 * loaded * trees.progress().fraction();
     let mut bar = bar.into_inner();

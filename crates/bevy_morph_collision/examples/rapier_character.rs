@@ -5,7 +5,7 @@
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features cookbook,rapier --example rapier_character`
 //!
-//! For your game, replace `CHARACTER`, `CLIP` and `rain`. Your `Cargo.toml` needs `bevy_morph_collision = { version = "0.1", features = ["rapier"] }`.
+//! For your game, replace `CHARACTER`, `CLIP` and `rain`. Your `Cargo.toml` needs `bevy_morph_collision = { version = "0.2", features = ["rapier"] }`.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;

@@ -12,6 +12,7 @@ use crate::collider::{ColliderState, Form, LockedPose, MorphCollider, MorphColli
 use crate::continuous::{SweptPairs, Teleports};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::layers::MorphCollisionLayers;
+use crate::names::Names;
 use crate::shape::MorphShape;
 
 /// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
@@ -68,7 +69,7 @@ pub(crate) struct Participant {
 /// left out and logged once, until the transform is finite again. Transforms of skinned meshes do not matter.
 pub(crate) fn find_candidates(
     mut colliders: Query<Participant>,
-    names: Query<NameOrEntity>,
+    names: Names,
     mut teleports: Teleports,
     mut candidates: ResMut<Candidates>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
@@ -95,11 +96,8 @@ pub(crate) fn find_candidates(
         let bad_place = place.is_err();
         let placed = place.unwrap_or_else(|error| {
             if !state.bad_place {
-                let name = names.get(participant.entity).map(|name| name.to_string());
-                error!(
-                    "entity `{}` is left out of collisions: {error}",
-                    name.unwrap_or_default()
-                );
+                let name = names.with_file(participant.entity);
+                error!("entity {name} is left out of collisions: {error}");
             }
             None
         });

@@ -27,6 +27,9 @@ use crate::weights::BadWeights;
 /// - A joint that is despawned stays where it was.
 /// - While the transform of a joint is NaN or infinite, the whole mesh stays where it was, and the log says so once.
 ///
+/// For a glTF scene, put a [`MorphColliderScene`](crate::MorphColliderScene) on the entity that spawns it: its meshes are on entities
+/// below. On an entity without a mesh, this component has no effect, and a warning in the log says so.
+///
 /// The collider takes part as soon as its mesh is loaded and the mesh's tree is built. While a newly assigned mesh is being
 /// prepared, the collider is left out. [`MorphColliderDisabled`] takes it out temporarily.
 ///

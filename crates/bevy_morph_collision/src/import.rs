@@ -4,6 +4,7 @@ mod complaints;
 mod decode;
 #[cfg(feature = "gltf")]
 mod gltf;
+mod load_failures;
 mod mesh_data;
 mod mesh_tree;
 mod progress;
@@ -17,6 +18,7 @@ mod users;
 pub(crate) use decode::uv_of;
 #[cfg(feature = "gltf")]
 pub(crate) use gltf::repair_split_meshes;
+pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures};
 pub use mesh_data::ImportError;
 pub use progress::MorphTreeProgress;
 pub(crate) use skin_data::influences_of;

@@ -7,6 +7,7 @@ use tracing::{debug_span, error};
 
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::names::Names;
 use crate::skeletons::{BindPoses, Skeletons};
 
 /// Gives every skinned pose the joint matrices with which its mesh is drawn.
@@ -17,7 +18,7 @@ pub(crate) fn read_joints(
     mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh), With<MorphCollider>>,
     globals: Query<&GlobalTransform>,
     bind_poses: Option<Res<BindPoses>>,
-    names: Query<NameOrEntity>,
+    names: Names,
     mut skeletons: Local<Skeletons>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -34,12 +35,11 @@ pub(crate) fn read_joints(
         if let Some((joint, problem)) = skeleton.problem()
             && !skeleton.is_reported
         {
-            let name = |entity: Entity| names.get(entity).map_or(entity.to_string(), |name| name.to_string());
             error!(
-                "the joints of entity `{}` cannot be used: {problem} (`{}`); the last good ones stay in force, and without any it \
-                 is left out of collisions",
-                name(entity),
-                name(joint)
+                "the joints of entity {} cannot be used: {problem} (`{}`); the last good ones stay in force, and without any it is \
+                 left out of collisions",
+                names.with_file(entity),
+                names.entity(joint)
             );
             skeleton.is_reported = true;
         }

@@ -122,13 +122,16 @@
 //!
 //! ## Find out why nothing happens
 //!
-//! `MorphGizmosPlugin` (feature `gizmos`) draws boxes, contacts and touching triangles. Data that cannot be used is logged once, as
-//! an error with the names of the mesh and the entity; only that entity is left out. `docs/why_no_collision.md` in the repository
+//! Read the log first. Data that cannot be used is logged once, as an error with the mesh's file and the entity's name; only that entity
+//! is left out. Likely mistakes are logged as warnings: components on entities where they have no effect, scenes without colliders, and
+//! missing plugins. Only an app without any of this crate's plugins stays silent.
+//!
+//! `MorphGizmosPlugin` (feature `gizmos`) draws boxes, contacts and touching triangles. `docs/why_no_collision.md` in the repository
 //! lists common problems.
 //!
 //! # Requirements
 //!
-//! - `AssetPlugin`, `MeshPlugin` and `TransformPlugin`. `DefaultPlugins` contains all three.
+//! - `AssetPlugin`, `MeshPlugin` and `TransformPlugin`. `DefaultPlugins` contains all three. If one is missing, the log names it.
 //! - Meshes must stay in main memory: use `RenderAssetUsages::default()`, not `RENDER_WORLD` alone. They may be compressed
 //!   (`GltfPlugin::mesh_compression`).
 //!
@@ -148,9 +151,9 @@
 //! runs there by default, too; [`MorphCollisionPlugin::new`] picks another schedule. The stages, in the order of
 //! [`MorphCollisionSystems`], with the source files of each:
 //!
-//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`): turns the parts of a [`MorphColliderScene`] into colliders of a
-//!    body, and meshes into trees. Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on
-//!    by default).
+//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`, `readiness`, `scene_outcomes`, `misuse`): turns the parts of a
+//!    [`MorphColliderScene`] into colliders of a body, and meshes into trees. Reports what is ready, what failed, and likely mistakes.
+//!    Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on by default).
 //! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`, `tolerance`): remembers each collider's previous state, then sets
 //!    its pose to the current weights and joint matrices.
 //! 3. **Broad phase** (`broad_phase`, `continuous`): finds pairs of colliders whose world-space boxes overlap and that
@@ -190,7 +193,10 @@ mod import;
 mod joints;
 mod layers;
 mod lent_poses;
+mod misuse;
+mod names;
 mod narrow_phase;
+mod needs;
 // Each engine uses only part of it.
 #[cfg(any(feature = "rapier", feature = "avian"))]
 #[cfg_attr(not(all(feature = "rapier", feature = "avian")), allow(dead_code))]
@@ -203,11 +209,17 @@ mod plugins;
 mod rapier;
 mod readiness;
 mod scene;
+mod scene_outcomes;
 mod self_collisions;
 mod settings;
 mod shape;
 mod skeletons;
 mod spatial;
+#[cfg(feature = "gltf")]
+mod spawned_scenes;
+#[cfg(not(feature = "gltf"))]
+#[path = "no_spawned_scenes.rs"]
+mod spawned_scenes;
 mod tolerance;
 mod velocities;
 mod weights;

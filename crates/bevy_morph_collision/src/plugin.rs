@@ -28,10 +28,12 @@ use crate::{
 };
 use crate::{
     anchors, body_events, body_pairs, broad_phase, changes, collider, diagnostics, events, every_mesh, import, joints,
-    narrow_phase, readiness, scene, self_collisions, settings, velocities, weights,
+    misuse, narrow_phase, needs, readiness, scene, scene_outcomes, self_collisions, settings, velocities, weights,
 };
 
 /// Detects collisions between [`MorphCollider`]s: by default every frame, in [`PostUpdate`].
+///
+/// Usually you add it with [`MorphPlugins`](crate::MorphPlugins), which contains it.
 ///
 /// To change how trees are built, insert [`DefaultMorphTreeSettings`] before you add the plugin.
 #[derive(Clone, Copy, Debug)]
@@ -94,6 +96,7 @@ impl Plugin for TreesPlugin {
         import::repair_split_meshes(app);
         app.init_resource::<DefaultMorphTreeSettings>()
             .init_resource::<MorphTrees>()
+            .init_resource::<import::LoadFailures>()
             .register_type::<DefaultMorphTreeSettings>()
             .register_type::<MorphTreeSettings>()
             .register_type::<MorphTrees>()
@@ -110,6 +113,7 @@ impl Plugin for TreesPlugin {
                 (
                     import::follow_asset_events,
                     import::start_trees,
+                    import::follow_load_failures.run_if(import::any_may_fail),
                     import::drop_unused_trees,
                     import::finish_trees,
                 )
@@ -118,15 +122,21 @@ impl Plugin for TreesPlugin {
             );
     }
 
-    #[cfg(feature = "gltf")]
     fn finish(&self, app: &mut App) {
+        #[cfg(feature = "gltf")]
         import::repair_split_meshes(app);
+        needs::check_meshes(app);
+        needs::check_collisions(app);
     }
 }
 
 impl Plugin for MorphCollisionPlugin {
     fn build(&self, app: &mut App) {
         build(app, self.schedule);
+    }
+
+    fn finish(&self, app: &mut App) {
+        needs::check_transforms(app);
     }
 }
 
@@ -139,6 +149,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphCollisionDiagnostics>()
         .init_resource::<MorphCollisionSettings>()
         .init_resource::<diagnostics::Preparation>()
+        .init_resource::<scene_outcomes::OpenScenes>()
         .init_resource::<velocities::RunTimes>()
         .init_resource::<SpatialState>()
         .add_message::<MorphCollisionStart>()
@@ -150,7 +161,10 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .add_observer(collider::forget_collider)
         .add_observer(self_collisions::end_with_component)
         .add_observer(scene::forget_scene);
+    #[cfg(feature = "gltf")]
+    app.add_observer(scene_outcomes::open_again);
     register_types(app);
+    misuse::add(app);
 
     use MorphCollisionSystems as Stage;
     let stages = || (Stage::Weights, Stage::BroadPhase, Stage::NarrowPhase, Stage::Events);
@@ -187,7 +201,12 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .after(import::follow_asset_events)
                 .before(import::start_trees),
-            readiness::report_readiness.after(import::finish_trees),
+            (
+                readiness::report_readiness,
+                scene_outcomes::report_outcomes.run_if(scene_outcomes::any_is_open),
+            )
+                .chain()
+                .after(import::finish_trees),
         )
             .in_set(Stage::Import),
     )

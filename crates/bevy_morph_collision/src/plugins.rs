@@ -25,9 +25,12 @@ use crate::plugin::MorphCollisionPlugin;
 /// app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphPlugins::default()));
 /// ```
 ///
-/// Works in any app, with or without a renderer. If the counterpart of a plugin is missing (Bevy's picking or gizmos,
-/// `RapierPhysicsPlugin`, Avian's `PhysicsPlugins`), that plugin does nothing and logs no error. Add the physics engine's plugins
-/// before this group.
+/// Works in any app, with or without a renderer. Without this group (or [`MorphCollisionPlugin`]), components of this crate have no
+/// effect, and nothing can tell you so. Do not add its plugins a second time: Bevy panics and names the plugin.
+///
+/// If the counterpart of a plugin is missing (Bevy's picking or gizmos, `RapierPhysicsPlugin`, Avian's `PhysicsPlugins`), that plugin
+/// does nothing. If you then use a component for a physics engine, a warning in the log says what is missing. Add the physics engine's
+/// plugins before this group.
 ///
 /// You can leave plugins out or replace them, as in any [`PluginGroup`]. `MorphRapierPlugin` expects physics in [`PostUpdate`],
 /// Rapier's default; `MorphAvianPlugin` expects it in [`FixedPostUpdate`], Avian's default. If your physics runs in another

@@ -26,16 +26,19 @@ pub struct MorphColliderReady {
     pub entity: Entity,
 }
 
-/// The collider's mesh cannot be used. This is also logged.
+/// The collider's mesh cannot be used, or could not be loaded. This is also logged.
 ///
-/// The collider is left out until it shows another mesh or the mesh is modified. If a tree of an earlier state of the mesh
-/// exists, the collider keeps using that tree instead.
+/// The collider is left out until it shows another mesh or the mesh is modified or loaded after all. If a tree of an earlier state of
+/// the mesh exists, the collider keeps using that tree instead.
+///
+/// Also triggered on the root of a [`MorphColliderScene`](crate::MorphColliderScene) whose scene could not be loaded, with
+/// [`ImportError::NotLoaded`]. A [`MorphColliderSceneReady`] without parts follows.
 #[derive(EntityEvent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Event, Debug, Clone, PartialEq)]
 pub struct MorphColliderFailed {
-    /// The collider.
+    /// The collider, or the root of the scene.
     pub entity: Entity,
-    /// What is wrong with the mesh.
+    /// What is wrong with the mesh, or with the scene.
     pub reason: ImportError,
 }
 
@@ -43,7 +46,11 @@ pub struct MorphColliderFailed {
 ///
 /// Triggered on the scene's root, after the events of its parts. The parts of a glTF scene appear together when it is spawned, so
 /// this event comes once for the whole scene. When parts are added, removed or get another mesh later, it is triggered again as
-/// soon as all parts are ready. It is never triggered for a scene without parts.
+/// soon as all parts are ready.
+///
+/// A loading screen that waits for this event ends in any case (feature `gltf`, on by default): the event also comes, with `parts: 0`,
+/// if the scene cannot be loaded, and if it is spawned and none of its meshes becomes a collider. The log says why. A scene that you
+/// build by hand gets the event only when it has parts.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -16,6 +16,8 @@ use crate::diagnostics::Preparation;
 use crate::events::MorphCollisionEventsEnabled;
 use crate::every_mesh::Automatic;
 use crate::layers::MorphCollisionLayers;
+use crate::misuse::Suspects;
+use crate::scene_outcomes::OpenScenes;
 
 /// Turns the meshes below this entity into [`MorphCollider`]s: by default those that deform. Put it on the root of a scene; all its
 /// colliders become parts of one body.
@@ -38,6 +40,9 @@ use crate::layers::MorphCollisionLayers;
 ///
 /// It works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand. Either the component or the
 /// meshes can come first, and meshes that appear later are found too. Parts of one body never collide with each other.
+///
+/// If the scene makes no colliders, or a name in [`only_named`](Self::only_named) matches nothing, a warning in the log says why: for a
+/// scene from an asset when it is spawned, otherwise after some seconds.
 ///
 /// You can edit or re-insert the component at any time. Meshes that no longer match stop being parts, and meshes that now match
 /// become parts. Removing the component turns all parts back into ordinary meshes.
@@ -143,7 +148,7 @@ impl PartRemovals<'_, '_> {
 /// Scenes and the hierarchy below them.
 #[derive(SystemParam)]
 pub(crate) struct Hierarchy<'w, 's> {
-    scenes: Query<'w, 's, &'static MorphColliderScene, Allow<Disabled>>,
+    scenes: Query<'w, 's, Ref<'static, MorphColliderScene>, Allow<Disabled>>,
     names: Query<'w, 's, &'static Name, Allow<Disabled>>,
     parents: Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
     children: Query<'w, 's, &'static Children, Allow<Disabled>>,
@@ -155,8 +160,19 @@ impl Hierarchy<'_, '_> {
         std::iter::once(entity).chain(self.parents.iter_ancestors(entity))
     }
 
+    /// An entity and its ancestors up to a root, which is one of them.
+    pub(crate) fn path_below(&self, entity: Entity, root: Entity) -> impl Iterator<Item = Entity> {
+        let below = self.path(entity).take_while(move |&entity| entity != root);
+        below.chain([root])
+    }
+
+    /// The descendants of an entity.
+    pub(crate) fn below(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        self.children.iter_descendants(entity)
+    }
+
     /// The nearest scene root at or above an entity.
-    fn scene_root(&self, part: Entity) -> Option<Entity> {
+    pub(crate) fn scene_root(&self, part: Entity) -> Option<Entity> {
         self.path(part).find(|&entity| self.scenes.contains(entity))
     }
 
@@ -166,8 +182,7 @@ impl Hierarchy<'_, '_> {
             let name = self.names.get(entity);
             name.is_ok_and(|name| wanted.iter().any(|wanted| wanted == name.as_str()))
         };
-        let below_root = self.path(part).take_while(|&entity| entity != root);
-        wanted.is_empty() || below_root.chain([root]).any(is_one)
+        wanted.is_empty() || self.path_below(part, root).any(is_one)
     }
 }
 
@@ -181,6 +196,8 @@ pub(crate) fn update_scene_parts(
     news: Query<Entity, PartNews>,
     mut removals: PartRemovals,
     parts: PartQuery,
+    mut open: ResMut<OpenScenes>,
+    mut suspects: ResMut<Suspects>,
     mut preparation: ResMut<Preparation>,
 ) {
     let start = Instant::now();
@@ -205,12 +222,16 @@ pub(crate) fn update_scene_parts(
         let Ok(scene) = hierarchy.scenes.get(root) else {
             continue;
         };
-        for entity in std::iter::once(root).chain(hierarchy.children.iter_descendants(root)) {
+        if scene.is_changed() {
+            open.open(root);
+            suspects.note(root);
+        }
+        for entity in std::iter::once(root).chain(hierarchy.below(root)) {
             let Ok(part) = parts.get(entity) else { continue };
             // A scene within a scene is a body of its own.
             if hierarchy.scene_root(entity) == Some(root) {
                 let is_named = hierarchy.is_named(entity, root, &scene.only_named);
-                part.update(root, scene, is_named, &mut commands);
+                part.update(root, &scene, is_named, &mut commands);
             }
         }
     }

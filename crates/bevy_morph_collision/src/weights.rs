@@ -11,6 +11,7 @@ use tracing::{debug_span, error};
 use crate::collider::{ColliderState, LockedPose, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::import::MorphTrees;
+use crate::names::Names;
 
 /// For how many consecutive runs the number of weights may differ from the number of targets before it is reported as an error. A
 /// game that changes both need not do so in the same frame.
@@ -49,7 +50,7 @@ impl WeightsProblem {
 /// tree of the mesh is being built.
 pub(crate) fn read_weights(
     mut colliders: Query<(Entity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
-    names: Query<NameOrEntity>,
+    names: Names,
     shared: Query<&MorphWeights>,
     trees: Res<MorphTrees>,
     mut rest: Local<Vec<f32>>,
@@ -82,9 +83,9 @@ pub(crate) fn read_weights(
                     }
                 }
                 if !std::mem::replace(&mut bad.logged, true) {
-                    let name = names.get(entity).map(|name| name.to_string()).unwrap_or_default();
+                    let name = names.with_file(entity);
                     error!(
-                        "morph weights of entity `{name}` cannot be used: {problem}; the last good ones stay in force"
+                        "morph weights of entity {name} cannot be used: {problem}; the last good ones stay in force"
                     );
                 }
             }

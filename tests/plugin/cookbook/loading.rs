@@ -77,6 +77,22 @@ fn the_game_starts_once_and_after_all_trees() {
 }
 
 #[test]
+fn a_file_that_is_missing_does_not_hold_the_game_up() {
+    let mut app = watched();
+    app.update();
+    let mut models = app.world_mut().query_filtered::<Entity, With<Model>>();
+    let model = models.iter(app.world()).next().expect("there are models");
+    app.world_mut().entity_mut(model).despawn();
+    let missing = app.world().resource::<AssetServer>().load("missing.glb#Scene0");
+    let scene = (WorldAssetRoot(missing), MorphColliderScene::default());
+    app.world_mut().spawn((Model, scene, Visibility::Hidden));
+    play_until(&mut app, |world| world.contains_resource::<Playing>());
+    let starts = &app.world().resource::<Starts>().0;
+    assert_eq!(starts.len(), 1);
+    assert_eq!((starts[0].0.built, starts[0].1), (2, 2), "the others are there");
+}
+
+#[test]
 fn a_mesh_that_cannot_be_used_does_not_hold_the_game_up() {
     let mut app = watched();
     let mesh = morph_collision_workspace::physics::bevy_mesh(&cube()).with_removed_attribute(Mesh::ATTRIBUTE_POSITION);

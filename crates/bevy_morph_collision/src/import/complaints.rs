@@ -1,4 +1,4 @@
-//! Log messages about meshes, and the names that they use for meshes and entities.
+//! Log messages about meshes.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -8,17 +8,17 @@ use tracing::error;
 
 use super::mesh_data::ImportError;
 use crate::collider::MorphCollider;
+use crate::names::Names;
 use crate::shape::MorphShape;
 
 /// Colliders that show a mesh, including disabled ones.
 type ShowsMesh = (With<MorphCollider>, Without<MorphShape>, Allow<Disabled>);
 
-/// Names for messages.
+/// What messages about meshes need.
 #[derive(SystemParam)]
 pub(crate) struct Complaints<'w, 's> {
-    names: Query<'w, 's, NameOrEntity, Allow<Disabled>>,
+    pub(super) names: Names<'w, 's>,
     colliders: Query<'w, 's, (Entity, &'static Mesh3d), ShowsMesh>,
-    assets: Option<Res<'w, AssetServer>>,
 }
 
 impl Complaints<'_, '_> {
@@ -44,21 +44,14 @@ impl Complaints<'_, '_> {
                 "it keeps the bounds that it has, those of the rest pose at first",
             ),
         };
-        let (mesh, entity) = (self.mesh(id), self.entity(collider.unwrap_or(asked_by)));
-        error!("mesh `{mesh}` of entity `{entity}` cannot {fails}: {error}; {outcome}");
+        let (mesh, entity) = (self.mesh(id), self.names.entity(collider.unwrap_or(asked_by)));
+        error!("{mesh} of entity `{entity}` cannot {fails}: {error}; {outcome}");
     }
 
-    /// The mesh's file and label, or its asset ID.
+    /// The mesh, with its file and label if it was loaded.
     pub(super) fn mesh(&self, id: AssetId<Mesh>) -> String {
-        let path = self.assets.as_ref().and_then(|assets| assets.get_path(id));
-        path.map_or_else(|| id.to_string(), |path| path.to_string())
-    }
-
-    /// The entity's name, or its ID.
-    pub(super) fn entity(&self, entity: Entity) -> String {
-        match self.names.get(entity) {
-            Ok(name) => name.to_string(),
-            Err(_) => entity.to_string(),
-        }
+        self.names
+            .asset(id)
+            .map_or_else(|| "the mesh".into(), |path| format!("mesh `{path}`"))
     }
 }

@@ -15,6 +15,9 @@ use super::skin_data::SkinData;
 #[reflect(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ImportError {
+    /// Bevy could not load it; the text is Bevy's reason. Only this error may also concern a scene.
+    #[error("it could not be loaded: {0}")]
+    NotLoaded(String),
     /// The mesh data is only for the renderer, which takes it away.
     #[error(
         "its data does not stay in main memory: give it `RenderAssetUsages::default()` instead of `RENDER_WORLD` (for glTF \

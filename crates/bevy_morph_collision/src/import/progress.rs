@@ -19,7 +19,7 @@ pub struct MorphTreeProgress {
     pub requested: usize,
     /// Trees that are ready.
     pub built: usize,
-    /// Trees whose mesh cannot be used.
+    /// Trees whose mesh cannot be used, or could not be loaded.
     pub failed: usize,
 }
 
@@ -44,9 +44,9 @@ impl MorphTreeProgress {
 impl MorphTrees {
     /// The progress of all requested trees, for loading screens.
     ///
-    /// A tree is requested as soon as its collider exists; for a glTF scene, when the scene is spawned. A mesh that never
-    /// finishes loading stays pending. Use [`MorphColliderSceneReady`](crate::MorphColliderSceneReady) to know when one scene is
-    /// complete.
+    /// A tree is requested as soon as its collider exists; for a glTF scene, when the scene is spawned. A mesh that
+    /// nobody loads or adds to `Assets<Mesh>` stays pending, and a warning in the log says so. Use
+    /// [`MorphColliderSceneReady`](crate::MorphColliderSceneReady) to know when one scene is complete.
     #[must_use]
     pub fn progress(&self) -> MorphTreeProgress {
         let count = |is: fn(&MeshTree) -> bool| self.of_mesh.values().filter(|entry| is(entry)).count();
@@ -55,6 +55,20 @@ impl MorphTrees {
             built: count(|entry| !entry.is_coming() && entry.error.is_none()),
             failed: count(|entry| !entry.is_coming() && entry.error.is_some()),
         }
+    }
+
+    /// The requested trees whose mesh is not there yet, with the entities that requested them.
+    pub(crate) fn waiting(&self) -> impl Iterator<Item = (TreeKey, Entity)> {
+        self.waiting.iter().copied()
+    }
+
+    /// The trees of skinned meshes, with the entities that requested them and the error of their joint weights: see
+    /// [`MorphModel::joint_weight_error`](morph_collision::MorphModel::joint_weight_error).
+    pub(crate) fn joint_weight_errors(&self) -> impl Iterator<Item = (TreeKey, Entity, f64)> {
+        self.of_mesh.iter().filter_map(|(key, entry)| {
+            let error = entry.tree.as_ref()?.model().joint_weight_error()?;
+            Some((*key, entry.asked_by, error))
+        })
     }
 
     /// Whether the current state of the mesh has a tree, or why it has none; `None` while that is not known.

@@ -8,10 +8,10 @@ use morph_collision::{BuildOptions, InputError};
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_morph_collision::{BuildOptions, MorphCollisionPlugin, DefaultMorphTreeSettings};
+/// # use bevy_morph_collision::{BuildOptions, MorphPlugins, DefaultMorphTreeSettings};
 /// # let mut app = App::new();
 /// app.insert_resource(DefaultMorphTreeSettings(BuildOptions::default().with_leaf_size(16)?));
-/// app.add_plugins(MorphCollisionPlugin::default());
+/// app.add_plugins(MorphPlugins::default());
 /// # Ok::<(), bevy_morph_collision::InputError>(())
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default)]

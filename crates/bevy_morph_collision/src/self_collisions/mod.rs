@@ -40,8 +40,16 @@ use crate::contacts::no_triangles;
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(SelfState)]
 pub struct MorphSelfCollisions {
-    /// Whether to report also pairs of triangles that intersect at rest, with all weights 0 and joints as they were bound. By
-    /// default they are left out: eyes lie in their sockets, and hair reaches into the scalp.
+    /// Whether to report also pairs of triangles that intersect at rest. By default they are left out: eyes lie in their sockets, and
+    /// hair reaches into the scalp.
+    ///
+    /// At rest, all morph weights are 0, the joints are as they were bound, and the character stands at the world's origin. If the
+    /// joint weights of each vertex sum to 1, this is the shape in the file, and it is the same shape wherever the character stands.
+    /// Otherwise Bevy draws another shape at each place ([docs/skinning.md]), and none of them may look like the one at rest. Then
+    /// what is left out is not what you expect; a warning in the log names the mesh. Normalise its joint weights, or set this to
+    /// `true`.
+    ///
+    /// [docs/skinning.md]: https://github.com/morph-collision/morph_collision/blob/main/docs/skinning.md#a-skinned-vertex
     pub include_rest: bool,
     /// Whether to prove in the background which triangles never touch for any weights from 0 to 1, and to leave them out from then
     /// on, while all weights are in that range. Reports stay the same.

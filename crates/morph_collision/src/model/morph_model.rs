@@ -157,6 +157,15 @@ impl MorphModel {
         self.skin.as_ref().map(Skin::joint_count)
     }
 
+    /// The largest difference between 1 and the sum of a vertex's joint weights, rounded up, or `None` if the mesh is not skinned.
+    ///
+    /// Weights are not normalised: a vertex whose weights sum to more or less than 1 is pushed away from the world's origin or pulled
+    /// towards it. Exporters write weights that sum to 1, apart from rounding.
+    #[must_use]
+    pub fn joint_weight_error(&self) -> Option<f64> {
+        self.skin.as_ref().map(Skin::max_missing)
+    }
+
     /// The number of triangles.
     #[must_use]
     pub fn triangle_count(&self) -> usize {

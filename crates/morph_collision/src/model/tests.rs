@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use super::{ModelError, MorphModel};
+use super::{Influences, ModelError, MorphModel};
 
 const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
@@ -25,6 +25,26 @@ fn negative_zero_is_welded_to_zero() {
     let base = [Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO];
     let model = MorphModel::from_displacements::<[Vec3; 4]>(&base, &[[0, 1, 2], [3, 1, 2]], &[]).unwrap();
     assert_eq!(model.vertex_count(), 3);
+}
+
+#[test]
+fn the_error_of_joint_weights_is_the_largest_of_all_vertices() {
+    let error = |weights: [[f32; 4]; 3]| {
+        let influences = Influences {
+            joints: &[[0, 1, 0, 0]; 3],
+            weights: &weights,
+        };
+        let none: [[Vec3; 3]; 0] = [];
+        let model = MorphModel::skinned(&CORNERS, &[[0, 1, 2]], &none, 2, &[influences]).unwrap();
+        model.joint_weight_error().unwrap()
+    };
+    let whole = [0.5, 0.5, 0.0, 0.0];
+    assert!(error([whole; 3]) < 1e-14);
+    assert!((error([whole, [1.0, 0.75, 0.0, 0.0], whole]) - 0.75).abs() < 1e-14);
+    assert!((error([whole, whole, [0.0; 4]]) - 1.0).abs() < 1e-14);
+    let none: [[Vec3; 3]; 0] = [];
+    let rigid = MorphModel::from_displacements(&CORNERS, &[[0, 1, 2]], &none).unwrap();
+    assert_eq!(rigid.joint_weight_error(), None);
 }
 
 #[test]

@@ -1,0 +1,106 @@
+//! Warnings about likely mistakes: components on entities where they have no effect.
+//!
+//! None of this runs in a game in which nothing new is spawned. Observers note entities that get one of the plugin's components. Each is
+//! looked at in the same frame, for what is certainly wrong. If it still lacks something, it is looked at again some seconds later,
+//! when scenes are loaded. Then it is forgotten.
+//!
+//! - `suspects`: the entities to look at, and what has been logged.
+//! - `look`: the system that looks at them.
+//! - `subject`: the components of one entity.
+//! - `colliders`: components that need a collider, and colliders without a mesh.
+//! - `bodies`: components that need a body.
+//! - `scenes`: scenes without parts.
+//! - `anchors`: anchors that follow nothing.
+//! - `physics`: components of physics engines that the app does not have.
+//! - `meshes`: meshes that never come, or whose joint weights are odd.
+
+mod anchors;
+mod bodies;
+mod colliders;
+mod look;
+mod meshes;
+mod physics;
+mod scenes;
+mod subject;
+mod suspects;
+
+use bevy::prelude::*;
+
+use crate::anchors::MorphSurfaceAnchor;
+use crate::body::{MorphBodyRoot, MorphColliderOf};
+use crate::collider::{MorphCollider, MorphColliderDisabled};
+use crate::continuous::MorphTeleported;
+use crate::events::{MorphCollidingEntities, MorphCollisionEventsEnabled};
+use crate::import::{self, MorphTreeSettings};
+use crate::layers::MorphCollisionLayers;
+use crate::plugin::MorphCollisionSystems;
+use crate::scene_outcomes;
+use crate::self_collisions::MorphSelfCollisions;
+
+pub(crate) use suspects::Suspects;
+
+/// Components whose entity is looked at when they are added. Scenes are noted when they change.
+type Watched = (
+    MorphCollider,
+    MorphSelfCollisions,
+    MorphTreeSettings,
+    MorphColliderDisabled,
+    MorphCollisionLayers,
+    MorphCollisionEventsEnabled,
+    MorphCollidingEntities,
+    MorphColliderOf,
+    MorphBodyRoot,
+    MorphTeleported,
+);
+
+/// Adds the checks to an app.
+pub(crate) fn add(app: &mut App) {
+    app.init_resource::<Suspects>()
+        .add_observer(|added: On<Add<Watched>>, mut suspects: ResMut<Suspects>| suspects.note(added.entity))
+        // What an anchor follows may change.
+        .add_observer(
+            |inserted: On<Insert<MorphSurfaceAnchor>>, mut suspects: ResMut<Suspects>| {
+                suspects.note(inserted.entity);
+            },
+        );
+    physics::watch(app);
+    app.add_systems(
+        PostUpdate,
+        (
+            look::look_at_suspects.run_if(look::any_suspects),
+            meshes::warn_of_missing_meshes.run_if(meshes::any_is_missing),
+            meshes::warn_of_joint_weights.run_if(meshes::trees_changed),
+        )
+            .chain()
+            .in_set(MorphCollisionSystems::Import)
+            .after(import::finish_trees)
+            .after(scene_outcomes::report_outcomes),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::mesh::MeshPlugin;
+
+    use super::*;
+    use crate::MorphCollisionPlugin;
+
+    #[test]
+    fn colliders_that_lack_nothing_are_forgotten_after_a_bounded_number_per_frame() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin))
+            .add_plugins(MorphCollisionPlugin::default());
+        app.finish();
+        app.cleanup();
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(Cuboid::default());
+        let body = app.world_mut().spawn_empty().id();
+        let colliders = (0..1000).map(|_| (Mesh3d(mesh.clone()), MorphCollider::default(), MorphColliderOf { body }));
+        let colliders: Vec<_> = colliders.collect();
+        app.world_mut().spawn_batch(colliders);
+        for _ in 0..4 {
+            assert!(!app.world().resource::<Suspects>().is_empty());
+            app.update();
+        }
+        assert!(app.world().resource::<Suspects>().is_empty());
+    }
+}

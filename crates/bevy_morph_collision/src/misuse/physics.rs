@@ -1,0 +1,70 @@
+//! Components of physics engines that the app does not have.
+
+use bevy::prelude::*;
+
+use super::look::Look;
+use super::subject::{Around, SubjectItem};
+use super::suspects::Told;
+
+/// Notes entities that get a component of a physics engine.
+pub(super) fn watch(app: &mut App) {
+    #[cfg(feature = "rapier")]
+    note_when_added::<(crate::MorphRapierCollider, crate::MorphRapierScene)>(app);
+    #[cfg(feature = "avian")]
+    note_when_added::<(crate::MorphAvianCollider, crate::MorphAvianScene)>(app);
+    #[cfg(not(any(feature = "rapier", feature = "avian")))]
+    let _no_engine = app;
+}
+
+#[cfg(any(feature = "rapier", feature = "avian"))]
+fn note_when_added<B: Bundle>(app: &mut App) {
+    app.add_observer(|added: On<Add<B>>, mut suspects: ResMut<super::Suspects>| suspects.note(added.entity));
+}
+
+/// The component that makes an entity a collider of a physics engine, the one for scenes, and whether the entity has that, too.
+#[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
+pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'static str, bool)> {
+    #[cfg(feature = "rapier")]
+    if let (true, has_scene) = subject.rapier {
+        return Some(("MorphRapierCollider", "MorphRapierScene", has_scene));
+    }
+    #[cfg(feature = "avian")]
+    if let (true, has_scene) = subject.avian {
+        return Some(("MorphAvianCollider", "MorphAvianScene", has_scene));
+    }
+    None
+}
+
+/// Warns of components whose physics engine is missing.
+#[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
+pub(super) fn look(subject: &SubjectItem, around: &Around, told: &mut Told) -> Look {
+    #[cfg(feature = "rapier")]
+    if around.rapier.is_none() {
+        let plugins = "`RapierPhysicsPlugin` and, after it, `MorphPlugins` or `MorphRapierPlugin`";
+        warn_of(
+            subject.rapier,
+            ["MorphRapierCollider", "MorphRapierScene"],
+            plugins,
+            told,
+        );
+    }
+    #[cfg(feature = "avian")]
+    if around.avian.is_none() {
+        let plugins = "Avian's `PhysicsPlugins` and, after them, `MorphPlugins` or `MorphAvianPlugin`";
+        warn_of(subject.avian, ["MorphAvianCollider", "MorphAvianScene"], plugins, told);
+    }
+    Look::Done
+}
+
+#[cfg(any(feature = "rapier", feature = "avian"))]
+fn warn_of((collider, scene): (bool, bool), names: [&'static str; 2], plugins: &str, told: &mut Told) {
+    let component = match (collider, scene) {
+        (_, true) => names[1],
+        (true, false) => names[0],
+        (false, false) => return,
+    };
+    // The app lacks it, whichever entity shows that first.
+    told.warn(names[0], String::new(), || {
+        format!("`{component}` has no effect: its physics engine is missing. Add {plugins} to the app")
+    });
+}

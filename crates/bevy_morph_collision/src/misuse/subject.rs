@@ -1,0 +1,95 @@
+//! The components of one entity, and what is around it.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::{Allow, QueryData};
+use bevy::ecs::system::SystemParam;
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+
+use crate::anchors::MorphSurfaceAnchor;
+use crate::body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
+use crate::collider::{MorphCollider, MorphColliderDisabled};
+use crate::continuous::MorphTeleported;
+use crate::events::{MorphCollidingEntities, MorphCollisionEventsEnabled};
+use crate::import::{MorphTreeSettings, MorphTrees, Shows, TreeKey, key_of};
+use crate::layers::MorphCollisionLayers;
+use crate::names::Names;
+use crate::scene::{Hierarchy, MorphColliderScene};
+use crate::scene_outcomes::SceneState;
+use crate::self_collisions::MorphSelfCollisions;
+use crate::settings::MorphCollisionSettings;
+use crate::shape::MorphShape;
+use crate::spawned_scenes::SpawnedScenes;
+
+/// The components of one entity.
+#[derive(QueryData)]
+pub(super) struct Subject {
+    pub(super) entity: Entity,
+    pub(super) mesh: Has<Mesh3d>,
+    pub(super) deforms: (Has<MeshMorphWeights>, Has<SkinnedMesh>),
+    pub(super) shape: Has<MorphShape>,
+    pub(super) collider: Option<&'static MorphCollider>,
+    pub(super) scene: Option<&'static MorphColliderScene>,
+    pub(super) anchor: Option<&'static MorphSurfaceAnchor>,
+    pub(super) self_collisions: Has<MorphSelfCollisions>,
+    pub(super) tree_settings: Has<MorphTreeSettings>,
+    pub(super) disabled: Has<MorphColliderDisabled>,
+    pub(super) layers: Has<MorphCollisionLayers>,
+    pub(super) events: Has<MorphCollisionEventsEnabled>,
+    pub(super) colliding: Has<MorphCollidingEntities>,
+    pub(super) part_of: Has<MorphColliderOf>,
+    pub(super) parts: Has<MorphColliders>,
+    pub(super) body_root: Has<MorphBodyRoot>,
+    pub(super) teleported: Has<MorphTeleported>,
+    #[cfg(feature = "rapier")]
+    pub(super) rapier: (Has<crate::MorphRapierCollider>, Has<crate::MorphRapierScene>),
+    #[cfg(feature = "avian")]
+    pub(super) avian: (Has<crate::MorphAvianCollider>, Has<crate::MorphAvianScene>),
+}
+
+/// What is around an entity.
+#[derive(SystemParam)]
+pub(super) struct Around<'w, 's> {
+    pub(super) subjects: Query<'w, 's, Subject, Allow<Disabled>>,
+    shows: Query<'w, 's, Shows, Allow<Disabled>>,
+    pub(super) hierarchy: Hierarchy<'w, 's>,
+    pub(super) spawned: SpawnedScenes<'w, 's>,
+    pub(super) names: Names<'w, 's>,
+    pub(super) trees: Res<'w, MorphTrees>,
+    pub(super) settings: Res<'w, MorphCollisionSettings>,
+    #[cfg(feature = "rapier")]
+    pub(super) rapier: Option<Res<'w, crate::MorphRapierDiagnostics>>,
+    #[cfg(feature = "avian")]
+    pub(super) avian: Option<Res<'w, crate::MorphAvianDiagnostics>>,
+}
+
+impl Around<'_, '_> {
+    /// An entity in messages.
+    pub(super) fn name(&self, entity: Entity) -> String {
+        self.names.with_file(entity)
+    }
+
+    /// What distinguishes an entity from others with the same mistake.
+    pub(super) fn about(&self, entity: Entity) -> String {
+        self.names.about(entity)
+    }
+
+    /// The tree that an entity uses.
+    pub(super) fn tree_key(&self, entity: Entity) -> Option<TreeKey> {
+        key_of(self.shows.get(entity).ok()?)
+    }
+
+    /// Whether the scene that an entity spawns is not there yet.
+    pub(super) fn is_pending(&self, entity: Entity) -> bool {
+        self.spawned.state(entity, &self.names) == Some(SceneState::Pending)
+    }
+
+    /// Whether an entity below this one satisfies a condition.
+    pub(super) fn any_below(&self, entity: Entity, is: impl Fn(&SubjectItem) -> bool) -> bool {
+        let below = self.hierarchy.below(entity);
+        below
+            .filter_map(|entity| self.subjects.get(entity).ok())
+            .any(|it| is(&it))
+    }
+}

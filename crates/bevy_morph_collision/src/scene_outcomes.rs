@@ -1,0 +1,94 @@
+//! Scenes from files that will have no colliders: they could not be loaded, or none of their meshes is a part.
+//!
+//! The events of their parts would never come, so whoever waits for the scene is told here.
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::prelude::*;
+
+use crate::import::ImportError;
+use crate::misuse::Suspects;
+use crate::names::Names;
+use crate::readiness::{MorphColliderFailed, MorphColliderSceneReady};
+use crate::scene::{MorphColliderScene, ScenePart};
+use crate::spawned_scenes::SpawnedScenes;
+
+/// How far a scene is that Bevy spawns from an asset.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(not(feature = "gltf"), allow(dead_code))]
+pub(crate) enum SceneState {
+    Pending,
+    Spawned,
+    Failed(ImportError),
+}
+
+/// The roots of scenes whose outcome is not known yet.
+#[derive(Resource, Default)]
+pub(crate) struct OpenScenes(EntityHashSet);
+
+impl OpenScenes {
+    pub(crate) fn open(&mut self, root: Entity) {
+        self.0.insert(root);
+    }
+}
+
+/// A scene that gets another file is open again.
+#[cfg(feature = "gltf")]
+pub(crate) fn open_again(
+    inserted: On<Insert<WorldAssetRoot>>,
+    scenes: Query<(), (With<MorphColliderScene>, Allow<Disabled>)>,
+    mut open: ResMut<OpenScenes>,
+) {
+    if scenes.contains(inserted.entity) {
+        open.open(inserted.entity);
+    }
+}
+
+/// Whether the outcome of a scene is not known yet.
+pub(crate) fn any_is_open(open: Res<OpenScenes>) -> bool {
+    !open.0.is_empty()
+}
+
+/// Reports the outcome of scenes without colliders. Runs only until the outcome of every scene is known.
+pub(crate) fn report_outcomes(
+    mut open: ResMut<OpenScenes>,
+    mut suspects: ResMut<Suspects>,
+    with_scene: Query<(), (With<MorphColliderScene>, Allow<Disabled>)>,
+    parts: Query<&ScenePart, Allow<Disabled>>,
+    spawned: SpawnedScenes,
+    names: Names,
+    mut commands: Commands,
+) {
+    let mut settled: Vec<(Entity, SceneState)> = Vec::new();
+    open.0.retain(|&root| {
+        // Nobody knows when a scene is complete that a game builds by hand.
+        let state = spawned.state(root, &names).filter(|_| with_scene.contains(root));
+        let is_pending = state == Some(SceneState::Pending);
+        settled.extend(state.filter(|_| !is_pending).map(|state| (root, state)));
+        is_pending
+    });
+    if settled.is_empty() {
+        return;
+    }
+    let with_parts: EntityHashSet = parts.iter().map(|part| part.root).collect();
+    settled.sort_unstable_by_key(|(root, _)| *root);
+    for (entity, state) in settled {
+        if let SceneState::Failed(reason) = state {
+            suspects.told().error("scene not loaded", names.about(entity), || {
+                let name = names.with_file(entity);
+                format!("the scene of entity {name} gets no colliders: {reason}")
+            });
+            commands.trigger(MorphColliderFailed { entity, reason });
+        } else {
+            suspects.note(entity);
+        }
+        if !with_parts.contains(&entity) {
+            commands.trigger(MorphColliderSceneReady {
+                entity,
+                parts: 0,
+                failed: 0,
+            });
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! How far the scenes are that Bevy spawns from assets.
+
+use bevy::asset::UntypedAssetId;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy::world_serialization::{WorldInstance, WorldInstanceSpawner};
+
+use crate::import::ImportError;
+use crate::names::Names;
+use crate::scene_outcomes::SceneState;
+
+/// The components of an entity that spawns a scene.
+type Root = (
+    Option<&'static WorldAssetRoot>,
+    Option<&'static DynamicWorldRoot>,
+    Option<&'static WorldInstance>,
+);
+
+/// Entities that spawn a scene.
+type IsRoot = (Or<(With<WorldAssetRoot>, With<DynamicWorldRoot>)>, Allow<Disabled>);
+
+/// The entities that spawn scenes.
+#[derive(SystemParam)]
+pub(crate) struct SpawnedScenes<'w, 's> {
+    roots: Query<'w, 's, Root, IsRoot>,
+    spawner: Option<Res<'w, WorldInstanceSpawner>>,
+}
+
+impl SpawnedScenes<'_, '_> {
+    /// Whether the entity spawns a scene.
+    pub(crate) fn is_root(&self, entity: Entity) -> bool {
+        self.roots.contains(entity)
+    }
+
+    /// How far the scene is that an entity spawns; `None` if it spawns none.
+    pub(crate) fn state(&self, entity: Entity, names: &Names) -> Option<SceneState> {
+        Some(self.state_of(self.roots.get(entity).ok()?, names))
+    }
+
+    /// Whether any scene of the app is still to be spawned.
+    pub(crate) fn any_is_pending(&self, names: &Names) -> bool {
+        let mut states = self.roots.iter().map(|root| self.state_of(root, names));
+        states.any(|state| state == SceneState::Pending)
+    }
+
+    fn state_of(
+        &self,
+        (scene, dynamic, instance): (
+            Option<&WorldAssetRoot>,
+            Option<&DynamicWorldRoot>,
+            Option<&WorldInstance>,
+        ),
+        names: &Names,
+    ) -> SceneState {
+        let Some(spawner) = &self.spawner else {
+            let reason =
+                "nobody spawns scenes. Add `WorldSerializationPlugin` to the app (`DefaultPlugins` contains it)";
+            return SceneState::Failed(ImportError::NotLoaded(reason.into()));
+        };
+        if instance.is_some_and(|instance| spawner.instance_is_ready(**instance)) {
+            return SceneState::Spawned;
+        }
+        let scene: Option<UntypedAssetId> = scene.map(|scene| scene.id().untyped());
+        let asset = scene.or_else(|| Some(dynamic?.id().untyped()));
+        match asset.and_then(|asset| names.load_error(asset)) {
+            Some(error) => SceneState::Failed(error),
+            None => SceneState::Pending,
+        }
+    }
+}

@@ -12,6 +12,7 @@ use avian3d::parry::math::Pose;
 use avian3d::parry::query::{PointQuery, Ray, RayCast};
 use avian3d::parry::shape::TriMesh;
 use avian3d::prelude::*;
+use bevy::math::DVec3;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::pbr::StandardMaterial;
 use bevy::prelude::*;
@@ -36,7 +37,7 @@ fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
     let place = *parts.single(app.world()).expect("it is in physics, and rough");
     let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
     let vertices = world_vertices(&posed, &place.affine());
-    let vertices = vertices.into_iter().map(|vertex| vertex.as_vec3()).collect();
+    let vertices = vertices.iter().map(DVec3::as_vec3).collect();
     TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh with triangles")
 }
 

@@ -74,13 +74,11 @@ fn set_up(
     ));
 }
 
+/// A model has children once its file is loaded. It is ready without any if that failed.
+type Loaded = (With<Model>, Or<(With<Children>, With<Ready>)>);
+
 /// The first half of the bar is for loading files, the second half for building the trees of their colliders.
-fn fill_bar(
-    trees: Res<MorphTrees>,
-    loaded: Query<(), (With<Model>, Or<(With<Children>, With<Ready>)>)>,
-    bar: Single<&mut Transform, With<Bar>>,
-) {
-    // A model has children once its file is loaded. It is ready without any if that failed.
+fn fill_bar(trees: Res<MorphTrees>, loaded: Query<(), Loaded>, bar: Single<&mut Transform, With<Bar>>) {
     let loaded = loaded.iter().count() as f32 / MODELS.len() as f32;
     // Before the first file is loaded, no tree has been requested and `fraction()` is 1, so weight it by `loaded`.
     let filled = 0.5 * loaded + 0.5 * loaded * trees.progress().fraction();

@@ -12,3 +12,4 @@ mod scene;
 mod skins;
 mod solid;
 mod support;
+mod times;

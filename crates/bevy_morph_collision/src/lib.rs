@@ -79,8 +79,8 @@
 //! ```
 //!
 //! A [`continuous`](MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
-//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else. [`MorphSelfCollisions`] reports
-//! where a mesh intersects itself.
+//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else, also to physics.
+//! [`MorphSelfCollisions`] reports where a mesh intersects itself.
 //!
 //! ## Ask about the surface
 //!

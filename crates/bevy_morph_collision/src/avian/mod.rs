@@ -37,6 +37,7 @@ use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
+use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
@@ -197,6 +198,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphAvianDiagnostics>()
         .insert_resource(step::Stepping::new(is_fixed))
         .add_observer(attach::detach_surface)
+        .add_observer(put_elsewhere::<attach::AvianSurface>)
         .add_observer(contacts::take_parts_along)
         .configure_sets(
             schedule,
@@ -215,10 +217,15 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         )
         .add_systems(
             schedule,
-            (give_to_parts::<MorphAvianScene>, attach::attach_surfaces)
+            (
+                give_to_parts::<MorphAvianScene>,
+                attach::attach_surfaces,
+                frames::watch_clock,
+            )
                 .chain()
                 .in_set(MorphAvianSystems::Attach),
         )
+        .add_systems(schedule, frames::rest.after(PhysicsSystems::StepSimulation))
         // Avian rejects schedules whose systems have an ambiguous order. A game's own systems may be anywhere.
         .add_systems(
             PhysicsSchedule,

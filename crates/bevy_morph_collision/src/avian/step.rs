@@ -30,7 +30,7 @@ use super::shape::WholeSurface;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
-use crate::physics::clock::Lag;
+use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::part::Pace;
 use crate::skeletons::{BindPoses, Skeletons};
 
@@ -62,10 +62,13 @@ pub(crate) struct Stepping {
     pub(super) changed: Vec<(Entity, f32)>,
     /// Bodies inside solid surfaces, with the velocity changes that drive them out.
     driven: EntityHashMap<Vec3>,
+    /// Whether there was a step since physics was last due.
+    pub(super) has_stepped: bool,
     /// Whether physics runs in a fixed schedule.
     is_fixed: bool,
     /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
+    pub(super) watch: Watch,
 }
 
 impl Stepping {
@@ -142,6 +145,7 @@ pub(super) fn before_step(
 ) {
     let start = Instant::now();
     *diagnostics = MorphAvianDiagnostics::default();
+    stepping.has_stepped = true;
     if surfaces.is_empty() {
         return;
     }
@@ -160,6 +164,7 @@ pub(super) fn before_step(
     let span = fixed
         .filter(|_| *is_fixed)
         .and_then(|fixed| lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
+    let time = StepTime { dt, span, share: 1.0 };
     skeletons.begin();
     for (entity, settings, mut surface, collider, knows, mannered, shows, disabled) in &mut surfaces {
         let AvianSurface {
@@ -179,15 +184,13 @@ pub(super) fn before_step(
             let is_skinned = following.is_skinned();
             // The collider reports bad joints. The last good ones are used.
             let skin = skin.filter(|_| is_skinned);
-            let mut between_frames = None;
-            if let Some(span) = span {
-                let drawn = &mut following.drawn;
-                let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-                drawn.at_step(&live);
-                // Avian determines where the entity is.
-                drawn.stands_alone = false;
-                between_frames = drawn.joints.at(span.end);
-            }
+            let drawn = &mut following.drawn;
+            // Avian determines where the entity is.
+            drawn.stands_alone = false;
+            drawn.on_body = body.is_some();
+            let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+            drawn.at_step(&live);
+            let between_frames = span.and_then(|span| drawn.joints.at(span.end));
             let joints = skin.and_then(|skin| {
                 let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
                 skeleton.world_from_mesh()
@@ -218,7 +221,7 @@ pub(super) fn before_step(
             let ahead = ahead(global, own, motion, (is_skinned, joints), dt);
             let at = global.translation();
             let name = || name_of(entity);
-            off = !advance(following, (ahead, at), (weights, &shared), (span, dt), bad_place, name);
+            off = !advance(following, (ahead, at), (weights, &shared), time, bad_place, name);
         }
         if off {
             // Movement of the surface while it is off does not count as motion.

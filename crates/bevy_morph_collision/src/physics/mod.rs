@@ -3,8 +3,10 @@
 //! - `surface`, `triangles`: a mesh, and some of its triangles, as Parry shapes, which both engines use.
 //! - `range`: the sizes with which Parry can compute.
 //! - `layout`: properties of a mesh that do not depend on its pose.
-//! - `drawn`, `timeline`, `clock`: what a surface is drawn with, and which moment of that a step uses.
+//! - `drawn`, `timeline`, `clock`: what a surface is drawn with, which moment of that a step uses, and what is motion
+//!   (`docs/rapier.md`, "Frames and steps").
 //! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
+//! - `teleport`: surfaces that the game puts somewhere else.
 //! - `begin`: what a surface does at the beginning of a step.
 //! - `inside`, `expel`: what is inside a closed surface, and how it gets out.
 //! - `point`: points of a surface and their velocities.
@@ -32,5 +34,6 @@ pub(crate) mod sorted_boxes;
 // Public with Rapier, because a game can ask for the shape of a collider.
 #[cfg_attr(not(feature = "rapier"), allow(unreachable_pub))]
 pub(crate) mod surface;
+pub(crate) mod teleport;
 pub(crate) mod timeline;
 pub(crate) mod triangles;

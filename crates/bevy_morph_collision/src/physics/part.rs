@@ -163,7 +163,7 @@ impl<P: Default> Part<P> {
         scratch: &mut PartScratch,
     ) -> bool {
         following.vertices(&self.vertices, &mut scratch.now);
-        let moves = following.moves && self.velocities(following, pace, scratch);
+        let moves = following.is_in_motion() && self.velocities(following, pace, scratch);
         let PartScratch {
             now,
             before,
@@ -219,7 +219,7 @@ impl<P: Default> Part<P> {
             ..
         } = scratch;
         following.before.vertices(&self.vertices, before);
-        between(before, now, f64::from(pace.dt), velocities);
+        between(before, now, following.motion_time(), velocities);
         let limit = f64::from(pace.max_acceleration * pace.dt);
         if following.looks_between_frames() {
             // A step may cover only a small piece of a jump. A part that moves as before has not jumped.
@@ -232,15 +232,21 @@ impl<P: Default> Part<P> {
                 })
                 || following.goes_on(&self.vertices, pace.max_acceleration);
         }
-        if continuous(velocities, None, limit) {
-            return true;
-        }
-        let Some(last_step) = following.moved_for else {
+        let earlier = following.moved_for.filter(|_| fastest(velocities) > limit).map(|time| {
+            following.past.vertices(&self.vertices, past);
+            between(past, before, time, velocities_before);
+            &velocities_before[..]
+        });
+        if !continuous(velocities, earlier, limit) {
             return false;
-        };
-        following.past.vertices(&self.vertices, past);
-        between(past, before, f64::from(last_step), velocities_before);
-        continuous(velocities, Some(velocities_before), limit)
+        }
+        if following.motion_time() > f64::from(pace.dt) {
+            // Only the last part of the change is motion.
+            for ((before, now), velocity) in before.iter_mut().zip(now).zip(velocities) {
+                *before = *now - f64::from(pace.dt) * *velocity;
+            }
+        }
+        true
     }
 }
 

@@ -44,7 +44,7 @@ impl Following {
     pub(crate) fn velocity_at(&mut self, point: SurfacePoint, max_acceleration: f32) -> Option<DVec3> {
         let corners = self.before.pose.bvh().model().triangle(point.triangle)?;
         let dt = f64::from(self.last_step());
-        if !self.moves || dt <= 0.0 {
+        if !self.is_in_motion() || dt <= 0.0 {
             return Some(DVec3::ZERO);
         }
         let [mut now, mut before, mut past] = [const { Vec::new() }; 3];
@@ -55,14 +55,14 @@ impl Following {
             between(from, to, dt, &mut velocities);
             velocities
         };
-        let velocity = velocities(&before, &now, dt);
+        let velocity = velocities(&before, &now, self.motion_time());
         let goes_on = if self.looks_between_frames() {
             self.goes_on(&corners, max_acceleration)
         } else {
             let limit = f64::from(max_acceleration) * dt;
-            let earlier = self.moved_for.map(|last_step| {
+            let earlier = self.moved_for.map(|time| {
                 self.past.vertices(&corners, &mut past);
-                velocities(&past, &before, f64::from(last_step))
+                velocities(&past, &before, time)
             });
             continuous(&velocity, earlier.as_deref(), limit)
         };

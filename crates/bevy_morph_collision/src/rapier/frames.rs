@@ -38,12 +38,11 @@ pub(super) fn record_frame(
     for (settings, mut surface, (place, weights, skin)) in &mut surfaces {
         let following = &mut surface.following;
         let skin = skin.filter(|_| following.is_skinned());
-        let drawn = &mut following.drawn;
+        let drawn = &following.drawn;
         let live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-        let count = following.before.pose.weights().len();
-        drawn.record(now, &live, count, (weights, &shared), settings.max_acceleration);
+        following.record(now, &live, (weights, &shared), settings.max_acceleration);
         if !stepping.is_fixed {
-            drawn.follow_frames();
+            following.drawn.follow_frames();
         }
     }
 }

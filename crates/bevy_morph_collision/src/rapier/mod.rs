@@ -47,6 +47,7 @@ use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
+use bevy::transform::systems::mark_dirty_trees;
 use bevy_rapier3d::control::KinematicCharacterController;
 use bevy_rapier3d::plugin::systems::update_character_controls;
 use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization, RapierTransformPropagateSet};
@@ -63,6 +64,7 @@ use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
+use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
@@ -223,6 +225,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<footing::Footing>()
         .add_observer(step::teach_context)
         .add_observer(attach::detach_surface)
+        .add_observer(put_elsewhere::<attach::RapierSurface>)
         .add_observer(attach::take_parts_along)
         .configure_sets(
             schedule,
@@ -258,6 +261,12 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .chain()
                     .in_set(PhysicsSet::SyncBackend)
                     .after(update_character_controls)
+                    .before(RapierTransformPropagateSet),
+                // Rapier places hierarchies before its step, but only those that were marked. Otherwise, the first change of a joint, or
+                // of a body with children, would reach the step a frame late, if at all.
+                mark_dirty_trees
+                    .in_set(PhysicsSet::SyncBackend)
+                    .after(carry::carry)
                     .before(RapierTransformPropagateSet),
             ),
         );

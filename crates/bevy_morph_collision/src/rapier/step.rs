@@ -22,11 +22,11 @@ use super::forces::Stepped;
 use super::link::Links;
 use super::obstacles::Obstacles;
 use super::stages::{Role, Sources, drive, follow, push, show, tell_too_large};
-use super::timestep::{is_one_step, substep, time_ahead};
+use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead};
 use super::touches::tell_whole;
 use super::world::{Audience, Movers, Step, World};
 use crate::collider::MorphColliderDisabled;
-use crate::physics::clock::Lag;
+use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;
 
@@ -61,6 +61,7 @@ pub(crate) struct Stepping {
     pub(super) is_fixed: bool,
     /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
+    watch: Watch,
 }
 
 impl Stepping {
@@ -130,15 +131,35 @@ pub(super) fn before_step(
         too_large,
         is_fixed,
         lag,
+        watch,
     } = &mut *stepping;
+    if watch.was_set(&time) {
+        for (_, _, mut surface, ..) in &mut surfaces {
+            surface.following.drawn.pause();
+        }
+    }
+    let mut share = None;
     let fixed_span = is_fixed.then(|| lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
     let (mut refused, mut has_stepped) = (HashSet::default(), false);
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
         let (dt, interpolated) = time_ahead(&mode, &time, behind.diff);
         let span = fixed_span.unwrap_or(interpolated);
         if !configuration.physics_pipeline_active || dt <= 0.0 {
+            if !configuration.physics_pipeline_active || !is_between_steps(&mode, &time) {
+                sources.skeletons.outdate();
+                let surfaces = surfaces.iter_mut().filter(|surface| surface.2.context == Some(context));
+                for (_, _, mut surface, _, _, shows, ..) in surfaces {
+                    sources.rest(&mut surface.following, shows);
+                }
+            }
             continue;
         }
+        let share = match span {
+            Some(_) => 1.0,
+            // The same for all contexts.
+            None => *share.get_or_insert_with(|| watch.share(stride(&mode, &time, dt))),
+        };
+        let time = StepTime { dt, span, share };
         now.store(true, Ordering::Release);
         if !has_stepped {
             // Not in frames without a step: a pause would drop the skeletons.
@@ -166,7 +187,7 @@ pub(super) fn before_step(
             surface.context = Some(context);
             let (morph_disabled, collider_disabled) = disabled;
             let place = (entity, handle.0);
-            let off = morph_disabled || !follow(surface, place, shows, (span, dt), &mut sources, &mut world);
+            let off = morph_disabled || !follow(surface, place, shows, time, &mut sources, &mut world);
             surface.switch(off, collider_disabled, world.colliders, handle.0);
             if off {
                 surface.pushing.stop(&mut world);

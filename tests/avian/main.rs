@@ -11,5 +11,10 @@ mod queries;
 mod scene;
 mod skins;
 mod solid;
+// The report's world. It has more than these tests use.
+#[allow(dead_code)]
+#[path = "../../examples/avian_report/stage.rs"]
+mod stage;
 mod support;
 mod times;
+mod units;

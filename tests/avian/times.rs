@@ -117,6 +117,7 @@ fn what_changes_during_a_pause_throws_nothing() {
         for how in [Pause::Clock, Pause::SpeedZero, Pause::Physics] {
             let changes = [
                 (Change::Weights, 0.02),
+                (Change::Weights, 0.2),
                 (Change::Weights, -0.2),
                 (Change::Transform, 0.2),
                 (Change::Body, 0.02),

@@ -22,4 +22,5 @@ mod skins;
 mod solid;
 mod support;
 mod times;
+mod units;
 mod whole;

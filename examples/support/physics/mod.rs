@@ -1,6 +1,8 @@
 //! Rigid bodies on morphing surfaces: scenes shared by examples and tests, and the methods that make a surface collide.
 
+pub mod behaviour;
 pub mod drops;
+pub mod player;
 mod rivals;
 pub mod times;
 
@@ -27,9 +29,14 @@ pub fn app(assets: &Path) -> App {
 
 /// The same app with another plugin.
 pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
+    app_in_unit(assets, 1.0, plugin)
+}
+
+/// The same app in a world with another unit of length. Gravity follows.
+pub fn app_in_unit(assets: &Path, unit: f32, plugin: impl Plugin) -> App {
     let mut app = crate::app::headless(assets);
     app.add_plugins((
-        RapierPhysicsPlugin::<NoUserData>::default(),
+        RapierPhysicsPlugin::<NoUserData>::default().with_length_unit(unit),
         MorphRapierPlugin::default(),
     ))
     .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })

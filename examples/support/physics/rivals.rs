@@ -1,6 +1,7 @@
 //! This plugin, and what a game can do without it to make a morphing mesh collide in Rapier.
 
 use std::borrow::Cow;
+use std::path::Path;
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
@@ -9,7 +10,9 @@ use bevy_rapier3d::plugin::context::RapierContextColliders;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 
-use super::bevy_mesh;
+use super::behaviour::{Engine, PoseSurface};
+use super::drops::Kind;
+use super::{app_in_unit, bevy_mesh, body, state};
 
 /// A way to make a morphing mesh collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +58,41 @@ impl Method {
             Self::NewMesh => "new `TriMesh`",
             Self::SoftBody => "pinned soft body",
         }
+    }
+}
+
+impl Engine for Method {
+    fn app(&self, unit: f32) -> App {
+        app_in_unit(Path::new("."), unit, |_: &mut App| {})
+    }
+
+    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
+        let mut surface = Surface::spawn(app, *self, mesh, Vec3::ZERO, &mut None);
+        Box::new(move |app, weights| surface.pose(app, weights))
+    }
+
+    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
+        let collider = match kind {
+            Kind::Ball => Collider::ball(half),
+            _ => Collider::cuboid(half, half, half),
+        };
+        body(app, collider, at)
+    }
+
+    fn make_slippery(&self, app: &mut App, body: Entity) {
+        let friction = Friction {
+            coefficient: 0.0,
+            combine_rule: CoefficientCombineRule::Min,
+        };
+        app.world_mut().entity_mut(body).insert(friction);
+    }
+
+    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
+        app.world_mut().entity_mut(body).insert(Velocity::linear(velocity));
+    }
+
+    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3) {
+        state(app, body)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::weights::drawn_weights;
 
 /// Records a frame at its end.
 pub(super) fn record_frame(
-    mut surfaces: Query<(&MorphAvianCollider, &mut AvianSurface, Shows)>,
+    mut surfaces: Query<(&mut AvianSurface, Shows), With<MorphAvianCollider>>,
     shared: Query<&MorphWeights>,
     globals: Query<&GlobalTransform>,
     bind_poses: Option<Res<BindPoses>>,
@@ -24,12 +24,12 @@ pub(super) fn record_frame(
     let now = fixed.elapsed_secs_f64() + fixed.overstep().as_secs_f64();
     stepping.lag.frame(now);
     skeletons.begin();
-    for (settings, mut surface, (place, weights, skin)) in &mut surfaces {
+    for (mut surface, (place, weights, skin)) in &mut surfaces {
         let following = &mut surface.following;
         let skin = skin.filter(|_| following.is_skinned());
         let drawn = &following.drawn;
         let live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-        following.record(now, &live, (weights, &shared), settings.max_acceleration);
+        following.record(now, &live, (weights, &shared));
     }
 }
 

@@ -67,15 +67,18 @@ use crate::plugins::missing;
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphAvianCollider {
-    /// The highest plausible acceleration of the surface, in world units per second squared. If the surface's velocity changes
-    /// faster, it may have jumped (teleported) instead of moved. Such a change counts as motion only when the next step confirms
-    /// it; until then it does not throw anything. The default is 100, ten times the acceleration of a fall.
+    /// The highest plausible acceleration of the surface, in length units per second squared: like Avian's own parameters, it is
+    /// multiplied by `PhysicsLengthUnit`. If the surface's velocity changes faster, it may have jumped (teleported) instead of moved.
+    /// Such a change counts as motion only when the next step confirms it; until then it does not throw anything. The default is
+    /// 100, ten times the acceleration of a fall.
+    ///
+    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::MorphTeleported).
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///
     /// - Contacts only push outward. Unless the surface is on a dynamic body, a body that is inside anyway is driven out, at no
-    ///   more than the speed at which Avian separates bodies (`SolverConfig::max_overlap_solve_speed`, 4 units per second, and
-    ///   never more than 10 length units), and leaves at a third of that. A sleeping body wakes up. Between two solid surfaces
+    ///   more than the speed at which Avian separates bodies (`SolverConfig::max_overlap_solve_speed`, 4 length units per second,
+    ///   and never more than 10), and leaves at a third of that. A sleeping body wakes up. Between two solid surfaces
     ///   that overlap, a body may be driven from one into the other.
     /// - Point queries and `solid` rays of `SpatialQuery` find the inside. Sensors and shape intersections do not, because Avian
     ///   computes them from the triangles only.

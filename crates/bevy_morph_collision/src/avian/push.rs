@@ -167,7 +167,7 @@ impl Pushing {
         let Some(exit) = exit else { return };
         // The body's other colliders and other surfaces may drive it too.
         let driven = around.driven.entry(mover.visitor.body).or_default();
-        *driven += exit.change_of(mover.velocity + *driven, following, pace);
+        *driven += exit.change_of(mover.velocity + *driven, following);
     }
 
     fn teach(&mut self, bodies: &mut PartBodies) {

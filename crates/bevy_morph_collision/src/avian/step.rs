@@ -176,6 +176,7 @@ pub(super) fn before_step(
             ..
         } = &mut *surface;
         let (morph_disabled, collider_disabled) = disabled;
+        following.max_acceleration = settings.max_acceleration * length_unit.0;
         let (global, position, rotation, of, in_body) = knows;
         let body = of.and_then(|of| Some((of.body, bodies.get(of.body).ok()?)));
         let mut off = morph_disabled;
@@ -283,7 +284,6 @@ pub(super) fn before_step(
             dt,
             prediction: length_unit.0 * config.contact_tolerance
                 + manners.margin.map_or(0.0, |margin| margin.0.max(0.0)),
-            max_acceleration: settings.max_acceleration,
         };
         let mut around = Around {
             movers,

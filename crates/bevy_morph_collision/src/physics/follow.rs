@@ -37,6 +37,8 @@ pub(crate) struct Following {
     pub(crate) reshaped: bool,
     /// The time that its motion in the last step took, if it moved in that step.
     pub(crate) moved_for: Option<f64>,
+    /// The maximum change of a velocity per second, in world units per second. A faster change may be a jump.
+    pub(crate) max_acceleration: f32,
     /// The maximum distance that any vertex moves during the coming step, in world units.
     pub(crate) displacement: f64,
     /// The sum of all displacements so far.
@@ -80,6 +82,8 @@ impl Following {
             place_before: None,
             reshaped: true,
             moved_for: None,
+            // The first step sets it.
+            max_acceleration: f32::INFINITY,
             displacement: 0.0,
             travelled: 0.0,
             last_step: 0.0,
@@ -101,6 +105,11 @@ impl Following {
     /// The time in which it would change as in the coming step, if all of that change were motion.
     pub(crate) fn motion_time(&self) -> f64 {
         f64::from(self.last_step) / self.share
+    }
+
+    /// The maximum change of a velocity in the coming step.
+    pub(crate) fn velocity_limit(&self) -> f64 {
+        f64::from(self.max_acceleration * self.last_step)
     }
 
     /// Whether joints move the mesh.
@@ -129,10 +138,9 @@ impl Following {
         time: f64,
         live: &Live,
         weights: (Option<&MeshMorphWeights>, &Query<&MorphWeights>),
-        max_acceleration: f32,
     ) {
         let count = self.before.pose.weights().len();
-        self.drawn.record(time, live, count, weights, max_acceleration);
+        self.drawn.record(time, live, count, weights, self.max_acceleration);
     }
 
     /// Notices what changes while no steps come. That is no motion.
@@ -269,9 +277,9 @@ impl Following {
     ///
     /// A frame that changes a velocity by more than `max_acceleration` allows is a jump and not motion, however many steps it
     /// covers.
-    pub(crate) fn goes_on(&mut self, vertices: &[u32], max_acceleration: f32) -> bool {
+    pub(crate) fn goes_on(&mut self, vertices: &[u32]) -> bool {
         let Some(span) = self.span else { return true };
-        if !self.place_goes_on(vertices, max_acceleration) {
+        if !self.place_goes_on(vertices) {
             return false;
         }
         let (mut earlier, mut before): (Option<Vec<DVec3>>, Option<(f64, Vec<DVec3>)>) = (None, None);
@@ -292,7 +300,13 @@ impl Following {
                 let mut velocities = Vec::new();
                 between(before, &now, frame, &mut velocities);
                 let is_seen = time > span.begin;
-                if is_seen && !continuous(&velocities, earlier.as_deref(), f64::from(max_acceleration) * frame) {
+                if is_seen
+                    && !continuous(
+                        &velocities,
+                        earlier.as_deref(),
+                        f64::from(self.max_acceleration) * frame,
+                    )
+                {
                     return false;
                 }
                 earlier = Some(velocities);
@@ -303,7 +317,7 @@ impl Following {
     }
 
     /// Whether vertices move continuously with a place that frames do not change, such as that of a body.
-    fn place_goes_on(&mut self, vertices: &[u32], max_acceleration: f32) -> bool {
+    fn place_goes_on(&mut self, vertices: &[u32]) -> bool {
         let places = [self.world_from_model, self.before.world_from_model];
         if !self.drawn.has_live_place() || places[0] == places[1] {
             return true;
@@ -322,7 +336,7 @@ impl Following {
         };
         let [now, before] = [&places[0], &places[1]].map(&mut at);
         let earlier = earlier.map(|(place, dt)| velocities(&at(&place), &before, dt));
-        let limit = f64::from(max_acceleration * self.last_step);
+        let limit = self.velocity_limit();
         let velocities = velocities(&before, &now, f64::from(self.last_step));
         continuous(&velocities, earlier.as_deref(), limit)
     }

@@ -16,8 +16,6 @@ pub(crate) struct Pace {
     pub(crate) dt: f32,
     /// The distance at which contacts are prepared.
     pub(crate) prediction: f32,
-    /// The maximum change of a velocity per second.
-    pub(crate) max_acceleration: f32,
 }
 
 /// Where a part is at the start of a step, and how it moves during the step.
@@ -220,7 +218,7 @@ impl<P: Default> Part<P> {
         } = scratch;
         following.before.vertices(&self.vertices, before);
         between(before, now, following.motion_time(), velocities);
-        let limit = f64::from(pace.max_acceleration * pace.dt);
+        let limit = following.velocity_limit();
         if following.looks_between_frames() {
             // A step may cover only a small piece of a jump. A part that moves as before has not jumped.
             let slight = 0.1 * limit;
@@ -230,7 +228,7 @@ impl<P: Default> Part<P> {
                     let changes = changes.map(|(vertex, velocity)| velocity.distance(motion.at(vertex - origin)));
                     largest(changes) <= slight
                 })
-                || following.goes_on(&self.vertices, pace.max_acceleration);
+                || following.goes_on(&self.vertices);
         }
         let earlier = following.moved_for.filter(|_| fastest(velocities) > limit).map(|time| {
             following.past.vertices(&self.vertices, past);

@@ -41,7 +41,7 @@ impl SurfacePoint {
 impl Following {
     /// The velocity of a point during the coming step or the last one, in world units per second. Zero while a jump is not
     /// confirmed as a motion, as for bodies. `None` if the triangle does not exist.
-    pub(crate) fn velocity_at(&mut self, point: SurfacePoint, max_acceleration: f32) -> Option<DVec3> {
+    pub(crate) fn velocity_at(&mut self, point: SurfacePoint) -> Option<DVec3> {
         let corners = self.before.pose.bvh().model().triangle(point.triangle)?;
         let dt = f64::from(self.last_step());
         if !self.is_in_motion() || dt <= 0.0 {
@@ -57,14 +57,13 @@ impl Following {
         };
         let velocity = velocities(&before, &now, self.motion_time());
         let goes_on = if self.looks_between_frames() {
-            self.goes_on(&corners, max_acceleration)
+            self.goes_on(&corners)
         } else {
-            let limit = f64::from(max_acceleration) * dt;
             let earlier = self.moved_for.map(|time| {
                 self.past.vertices(&corners, &mut past);
                 velocities(&past, &before, time)
             });
-            continuous(&velocity, earlier.as_deref(), limit)
+            continuous(&velocity, earlier.as_deref(), self.velocity_limit())
         };
         if !goes_on {
             return Some(DVec3::ZERO);

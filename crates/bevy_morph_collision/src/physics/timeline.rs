@@ -60,10 +60,10 @@ impl Drawn for DrawnJoints {
         let (a, b) = (self.points(), other.points());
         let size = largest(b.iter().map(|p| p.abs().max_element()));
         let close = |a: &[f32; 12], b: &[f32; 12]| {
-            a[..9]
-                .iter()
-                .zip(b)
-                .all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + b.abs()))
+            let (a, b) = (&a[..9], &b[..9]);
+            // Its scale may be that of another unit of length.
+            let scale = largest(b.iter().map(|b| b.abs()));
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * scale)
         };
         // Removing the collider's place leaves rounding errors.
         a.len() == b.len()

@@ -96,15 +96,18 @@ use crate::plugins::missing;
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphRapierCollider {
-    /// The highest plausible acceleration of the surface, in world units per second squared. If the surface's velocity changes
-    /// faster, it may have jumped (teleported) instead of moved. Such a change counts as motion only when the next step confirms
-    /// it; until then it does not throw anything. The default is 100, ten times the acceleration of a fall.
+    /// The highest plausible acceleration of the surface, in length units per second squared: like Rapier's own parameters, it is
+    /// multiplied by `IntegrationParameters::length_unit`. If the surface's velocity changes faster, it may have jumped (teleported)
+    /// instead of moved. Such a change counts as motion only when the next step confirms it; until then it does not throw anything.
+    /// The default is 100, ten times the acceleration of a fall.
+    ///
+    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::MorphTeleported).
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///
     /// - Contacts only push outward. A body that is inside anyway (it was spawned there, or the surface jumped over it) is driven
     ///   out, at no more than the speed at which Rapier separates bodies (`IntegrationParameters::max_corrective_velocity`, 3
-    ///   units per second, and never more than 10 length units), and leaves at a third of that. A sleeping body wakes up.
+    ///   length units per second, and never more than 10), and leaves at a third of that. A sleeping body wakes up.
     ///   Character controllers are not driven out. Between two solid surfaces that overlap, a body may be driven from one into
     ///   the other.
     /// - Bodies entirely inside count as touching for sensors and for some of Rapier's queries: intersections, distances, points,

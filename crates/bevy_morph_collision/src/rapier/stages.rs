@@ -187,7 +187,8 @@ pub(super) fn show(
             collider.set_shape(shape);
         }
     }
-    if following.moves
+    // It may have fallen asleep before it had a surface.
+    if changed
         && role.on_dynamic
         && let Some(body) = role.body
     {

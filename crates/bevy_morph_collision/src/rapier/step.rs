@@ -97,6 +97,7 @@ pub(super) fn world<'a>(
         impulse_joints: &mut joints.impulse_joints,
         multibody_joints: &mut joints.multibody_joints,
         soft_bodies: &mut bodies.soft_bodies,
+        length_unit: simulation.integration_parameters.length_unit,
     }
 }
 
@@ -185,6 +186,7 @@ pub(super) fn before_step(
                 continue;
             }
             surface.context = Some(context);
+            surface.following.max_acceleration = settings.max_acceleration * parameters.length_unit;
             let (morph_disabled, collider_disabled) = disabled;
             let place = (entity, handle.0);
             let off = morph_disabled || !follow(surface, place, shows, time, &mut sources, &mut world);
@@ -206,7 +208,6 @@ pub(super) fn before_step(
                 pace: Pace {
                     dt,
                     prediction: parameters.prediction_distance() + role.manners.contact_skin,
-                    max_acceleration: settings.max_acceleration,
                 },
                 // The speed at which Rapier separates overlapping bodies.
                 leaving: parameters.max_corrective_velocity().min(10.0 * parameters.length_unit),

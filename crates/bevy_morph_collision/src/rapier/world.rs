@@ -31,6 +31,7 @@ pub(super) struct World<'a> {
     pub(super) impulse_joints: &'a mut ImpulseJointSet,
     pub(super) multibody_joints: &'a mut MultibodyJointSet,
     pub(super) soft_bodies: &'a mut SoftBodySet,
+    pub(super) length_unit: f32,
 }
 
 impl World<'_> {

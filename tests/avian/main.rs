@@ -9,6 +9,7 @@ mod moving;
 mod presence;
 mod queries;
 mod scene;
+mod schedules;
 mod skins;
 mod solid;
 // The report's world. It has more than these tests use.

@@ -17,6 +17,7 @@ mod moving;
 mod presence;
 mod queries;
 mod scene;
+mod schedules;
 mod shapes;
 mod skins;
 mod solid;

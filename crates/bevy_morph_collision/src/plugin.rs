@@ -225,6 +225,11 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         ),
     )
     .add_systems(PostUpdate, anchors::follow_surfaces.in_set(Stage::Anchors));
+    // Components of physics are never silently without effect. When in a frame that is logged does not matter.
+    #[cfg(feature = "rapier")]
+    app.add_systems(PostUpdate, crate::rapier::tell_unserved.ambiguous_with_all());
+    #[cfg(feature = "avian")]
+    app.add_systems(PostUpdate, crate::avian::tell_unserved.ambiguous_with_all());
 }
 
 fn register_types(app: &mut App) {

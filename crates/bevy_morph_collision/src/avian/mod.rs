@@ -23,20 +23,21 @@ mod scene;
 mod shape;
 mod step;
 
-use avian3d::prelude::{NarrowPhaseSystems, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
+use avian3d::prelude::{NarrowPhaseSystems, PhysicsLengthUnit, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
+use tracing::error;
 
 pub use part::MorphAvianPart;
 pub use scene::MorphAvianScene;
 pub use step::MorphAvianDiagnostics;
 
-use crate::changes::is_fixed;
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
+use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
@@ -103,7 +104,7 @@ impl Default for MorphAvianCollider {
 
 /// Lets rigid bodies of `avian3d` collide with every [`MorphAvianCollider`].
 ///
-/// Add it after `PhysicsPlugins`, together with [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
+/// Add it together with `PhysicsPlugins`, in any order, and [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -117,24 +118,21 @@ impl Default for MorphAvianCollider {
 /// commands.spawn((RigidBody::Dynamic, Collider::sphere(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
 /// # }
 /// ```
-#[derive(Clone, Copy, Debug)]
+///
+/// It runs in the schedule in which Avian steps, whichever that is.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MorphAvianPlugin {
-    schedule: InternedScheduleLabel,
+    schedule: Option<InternedScheduleLabel>,
 }
 
 impl MorphAvianPlugin {
-    /// Use this if `PhysicsPlugins` runs in another schedule than [`FixedPostUpdate`].
+    /// Names the schedule in which Avian steps. You only need this if the plugin cannot find it, because your game
+    /// runs Avian itself after all plugins are there, or to several schedules.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
-            schedule: schedule.intern(),
+            schedule: Some(schedule.intern()),
         }
-    }
-}
-
-impl Default for MorphAvianPlugin {
-    fn default() -> Self {
-        Self::new(FixedPostUpdate)
     }
 }
 
@@ -153,44 +151,84 @@ pub enum MorphAvianSystems {
 
 impl Plugin for MorphAvianPlugin {
     fn build(&self, app: &mut App) {
-        build(app, self.schedule);
+        // If Avian is there. Otherwise in `finish`, when all plugins are.
+        if is_there(app) && !schedules_with(app, PhysicsSystems::StepSimulation).is_empty() {
+            self.install(app);
+        }
     }
 
     fn finish(&self, app: &mut App) {
+        if is_there(app) && !app.world().contains_resource::<Settled>() {
+            self.install(app);
+        }
         check(app);
     }
 }
 
-fn check(app: &mut App) {
-    let world = app.world();
-    if !world.contains_resource::<MorphCollisions>() {
-        missing(
-            app,
-            "MorphAvianPlugin does nothing without MorphCollisionPlugin, which builds its trees",
-        );
+impl MorphAvianPlugin {
+    fn install(self, app: &mut App) {
+        app.init_resource::<Settled>();
+        let found = schedules_with(app, PhysicsSystems::StepSimulation);
+        let schedule = choose(&found, self.schedule, ["MorphAvianPlugin", "PhysicsPlugins"]);
+        if let Some(schedule) = schedule {
+            build(app, schedule);
+        } else if found.is_empty() {
+            error!(
+                "MorphAvianPlugin does nothing, because no schedule has a system in Avian's `PhysicsSystems::StepSimulation`: name the \
+                 schedule in which you run Avian's `PhysicsSchedule`, for example MorphAvianPlugin::new(FixedUpdate)"
+            );
+        }
     }
-    if !is_there(app) {
-        missing(
-            app,
-            "MorphAvianPlugin does nothing without PhysicsPlugins, which must be added before it",
-        );
-    } else if !app.world().contains_resource::<step::Stepping>() {
-        tracing::error!("MorphAvianPlugin does nothing: PhysicsPlugins must be added before it");
-    }
-    layout::add_to_trees(app);
 }
+
+/// Whether the plugin has found Avian's schedule, or has logged what is missing.
+#[derive(Resource, Default)]
+pub(crate) struct Settled;
 
 /// Whether Avian is in the app.
 fn is_there(app: &App) -> bool {
     app.get_schedule(PhysicsSchedule).is_some()
 }
 
-fn build(app: &mut App, schedule: InternedScheduleLabel) {
-    if !is_there(app) {
-        // Logged in `finish`, when it is certain that the other plugin is missing.
-        return;
+fn check(app: &mut App) {
+    if !app.world().contains_resource::<MorphCollisions>() {
+        missing(
+            app,
+            "MorphAvianPlugin does nothing without MorphCollisionPlugin, which builds its trees",
+        );
     }
-    let is_fixed = is_fixed(schedule);
+    if !is_there(app)
+        && missing(
+            app,
+            "MorphAvianPlugin does nothing without PhysicsPlugins: add PhysicsPlugins to the app",
+        )
+    {
+        app.init_resource::<Settled>();
+    }
+    layout::add_to_trees(app);
+}
+
+/// Logs, once, that a component has no effect, if the plugin is not there or cannot work.
+pub(crate) fn tell_unserved(
+    users: Query<NameOrEntity, Or<(Added<MorphAvianCollider>, Added<MorphAvianScene>)>>,
+    avian: Option<Res<PhysicsLengthUnit>>,
+    settled: Option<Res<Settled>>,
+    mut told: Local<bool>,
+) {
+    let Some(user) = users.iter().next().filter(|_| !*told && settled.is_none()) else {
+        return;
+    };
+    *told = true;
+    let plugin = match avian {
+        Some(_) => "MorphAvianPlugin: write app.add_plugins(MorphAvianPlugin::default())",
+        None => "PhysicsPlugins: write app.add_plugins(PhysicsPlugins::default())",
+    };
+    error!("entity `{user}` has a MorphAvianCollider or MorphAvianScene, but the app has no {plugin}");
+}
+
+fn build(app: &mut App, schedule: InternedScheduleLabel) {
+    let is_fixed = runs_fixed(app, schedule);
+    follow_fixed_loop(app);
     // Now, or later if the other plugin is added after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
@@ -254,12 +292,13 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .ambiguous_with_all(),
             ),
         );
-    if is_fixed {
-        let at_the_end = frames::record_frame
-            .after(AnimationSystems)
-            .after(TransformSystems::Propagate)
-            .before(MorphCollisionSystems::Anchors);
-        app.add_systems(PostUpdate, at_the_end)
-            .add_systems(FixedLast, frames::after_steps);
+    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(MorphCollisionSystems::Anchors);
+    if is_fixed != Some(false) {
+        app.add_systems(PostUpdate, at_the_end.run_if(fixed))
+            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
     }
 }

@@ -32,6 +32,7 @@ use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
 use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::part::Pace;
+use crate::physics::schedule::InFixedLoop;
 use crate::skeletons::{BindPoses, Skeletons};
 
 /// Counts of [`MorphAvianCollider`]s in the last physics step.
@@ -65,15 +66,29 @@ pub(crate) struct Stepping {
     /// Whether there was a step since physics was last due.
     pub(super) has_stepped: bool,
     /// Whether physics runs in a fixed schedule.
-    is_fixed: bool,
+    pub(super) is_fixed: bool,
+    /// Whether each step decides that.
+    is_learning: bool,
     /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
     pub(super) watch: Watch,
 }
 
 impl Stepping {
-    pub(super) fn new(is_fixed: bool) -> Self {
-        Self { is_fixed, ..default() }
+    /// `None` if only the first step will show whether physics runs in a fixed schedule.
+    pub(super) fn new(is_fixed: Option<bool>) -> Self {
+        Self {
+            is_fixed: is_fixed.unwrap_or(false),
+            is_learning: is_fixed.is_none(),
+            ..default()
+        }
+    }
+
+    /// Runs before every step.
+    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
+        if self.is_learning {
+            self.is_fixed = inside.0;
+        }
     }
 }
 
@@ -139,13 +154,14 @@ pub(super) fn before_step(
     mut skeletons: Local<Skeletons>,
     names: Query<NameOrEntity>,
     (config, solver, length_unit): (Res<NarrowPhaseConfig>, Res<SolverConfig>, Res<PhysicsLengthUnit>),
-    (time, fixed): (Res<Time>, Option<Res<Time<Fixed>>>),
+    (time, fixed, inside): (Res<Time>, Option<Res<Time<Fixed>>>, Res<InFixedLoop>),
     mut stepping: ResMut<Stepping>,
     mut diagnostics: ResMut<MorphAvianDiagnostics>,
 ) {
     let start = Instant::now();
     *diagnostics = MorphAvianDiagnostics::default();
     stepping.has_stepped = true;
+    stepping.learn(&inside);
     if surfaces.is_empty() {
         return;
     }

@@ -12,6 +12,7 @@
 //! - `point`: points of a surface and their velocities.
 //! - `sorted_boxes`: finds the moving bodies near a surface.
 //! - `near`, `part`, `motion`: triangles near those bodies, as kinematic bodies for one step.
+//! - `schedule`: where an engine steps.
 //! - `scene`: all parts of a scene at once.
 
 pub(crate) mod ahead;
@@ -30,6 +31,7 @@ pub(crate) mod placed;
 pub(crate) mod point;
 pub(crate) mod range;
 pub(crate) mod scene;
+pub(crate) mod schedule;
 pub(crate) mod sorted_boxes;
 // Public with Rapier, because a game can ask for the shape of a collider.
 #[cfg_attr(not(feature = "rapier"), allow(unreachable_pub))]

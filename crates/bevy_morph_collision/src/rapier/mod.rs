@@ -52,6 +52,8 @@ use bevy_rapier3d::control::KinematicCharacterController;
 use bevy_rapier3d::plugin::systems::update_character_controls;
 use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization, RapierTransformPropagateSet};
 
+use tracing::error;
+
 pub use crate::physics::surface::MorphSurface;
 pub use carry::{MorphCharacterCarry, MorphCharacterGround};
 pub use dispatcher::MorphQueryDispatcher;
@@ -59,11 +61,11 @@ pub use scene::MorphRapierScene;
 pub use step::MorphRapierDiagnostics;
 pub use velocity::MorphRapierVelocity;
 
-use crate::changes::is_fixed;
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
+use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
@@ -133,7 +135,7 @@ impl Default for MorphRapierCollider {
 
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphRapierCollider`].
 ///
-/// Add it after `RapierPhysicsPlugin`, together with [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every new
+/// Add it together with `RapierPhysicsPlugin`, in any order, and [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every new
 /// physics context a [`MorphQueryDispatcher`].
 ///
 /// ```no_run
@@ -148,24 +150,21 @@ impl Default for MorphRapierCollider {
 /// commands.spawn((RigidBody::Dynamic, Collider::ball(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
 /// # }
 /// ```
-#[derive(Clone, Copy, Debug)]
+///
+/// It runs in the schedule in which Rapier steps, whichever that is.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MorphRapierPlugin {
-    schedule: InternedScheduleLabel,
+    schedule: Option<InternedScheduleLabel>,
 }
 
 impl MorphRapierPlugin {
-    /// Use this if `RapierPhysicsPlugin` runs in another schedule than [`PostUpdate`], usually in [`FixedUpdate`].
+    /// Names the schedule in which Rapier steps. You only need this if the plugin cannot find it, because your game
+    /// adds Rapier's systems to schedules itself after all plugins are there, or to several schedules.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
-            schedule: schedule.intern(),
+            schedule: Some(schedule.intern()),
         }
-    }
-}
-
-impl Default for MorphRapierPlugin {
-    fn default() -> Self {
-        Self::new(PostUpdate)
     }
 }
 
@@ -182,39 +181,84 @@ pub enum MorphRapierSystems {
 
 impl Plugin for MorphRapierPlugin {
     fn build(&self, app: &mut App) {
-        build(app, self.schedule);
+        // If Rapier is there. Otherwise in `finish`, when all plugins are.
+        if is_there(app) && !schedules_with(app, PhysicsSet::StepSimulation).is_empty() {
+            self.install(app);
+        }
     }
 
     fn finish(&self, app: &mut App) {
+        if is_there(app) && !app.world().contains_resource::<Settled>() {
+            self.install(app);
+        }
         check(app);
     }
 }
 
+impl MorphRapierPlugin {
+    fn install(self, app: &mut App) {
+        app.init_resource::<Settled>();
+        let found = schedules_with(app, PhysicsSet::StepSimulation);
+        let schedule = choose(&found, self.schedule, ["MorphRapierPlugin", "RapierPhysicsPlugin"]);
+        if let Some(schedule) = schedule {
+            build(app, schedule);
+        } else if found.is_empty() {
+            error!(
+                "MorphRapierPlugin does nothing, because no schedule has a system in Rapier's `PhysicsSet::StepSimulation`: name the \
+                 schedule to which you will add it, for example MorphRapierPlugin::new(FixedUpdate)"
+            );
+        }
+    }
+}
+
+/// Whether the plugin has found Rapier's schedule, or has logged what is missing.
+#[derive(Resource, Default)]
+pub(crate) struct Settled;
+
+/// Whether Rapier is in the app.
+fn is_there(app: &App) -> bool {
+    app.world().contains_resource::<RapierContextInitialization>()
+}
+
 fn check(app: &mut App) {
-    let world = app.world();
-    if !world.contains_resource::<MorphCollisions>() {
+    if !app.world().contains_resource::<MorphCollisions>() {
         missing(
             app,
             "MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees",
         );
     }
-    if !world.contains_resource::<RapierContextInitialization>() {
-        missing(
+    if !is_there(app)
+        && missing(
             app,
-            "MorphRapierPlugin does nothing without RapierPhysicsPlugin, which must be added before it",
-        );
-    } else if !world.contains_resource::<step::Stepping>() {
-        tracing::error!("MorphRapierPlugin does nothing: RapierPhysicsPlugin must be added before it");
+            "MorphRapierPlugin does nothing without RapierPhysicsPlugin: add RapierPhysicsPlugin to the app",
+        )
+    {
+        app.init_resource::<Settled>();
     }
     layout::add_to_trees(app);
 }
 
-fn build(app: &mut App, schedule: InternedScheduleLabel) {
-    if !app.world().contains_resource::<RapierContextInitialization>() {
-        // Logged in `finish`, when it is certain that the other plugin is missing.
+/// Logs, once, that a component has no effect, if the plugin is not there or cannot work.
+pub(crate) fn tell_unserved(
+    users: Query<NameOrEntity, Or<(Added<MorphRapierCollider>, Added<MorphRapierScene>)>>,
+    rapier: Option<Res<RapierContextInitialization>>,
+    settled: Option<Res<Settled>>,
+    mut told: Local<bool>,
+) {
+    let Some(user) = users.iter().next().filter(|_| !*told && settled.is_none()) else {
         return;
-    }
-    let is_fixed = is_fixed(schedule);
+    };
+    *told = true;
+    let plugin = match rapier {
+        Some(_) => "MorphRapierPlugin: write app.add_plugins(MorphRapierPlugin::default())",
+        None => "RapierPhysicsPlugin: write app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())",
+    };
+    error!("entity `{user}` has a MorphRapierCollider or MorphRapierScene, but the app has no {plugin}");
+}
+
+fn build(app: &mut App, schedule: InternedScheduleLabel) {
+    let is_fixed = runs_fixed(app, schedule);
+    follow_fixed_loop(app);
     // Now, or later if the other plugin is added after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
@@ -273,19 +317,21 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .before(RapierTransformPropagateSet),
             ),
         );
-    if is_fixed {
-        let at_the_end = frames::record_frame
-            .after(AnimationSystems)
-            .after(TransformSystems::Propagate)
-            .before(MorphCollisionSystems::Anchors);
-        app.add_systems(PostUpdate, at_the_end)
-            .add_systems(FixedLast, frames::after_steps);
-    } else {
-        let before_steps = frames::record_frame.in_set(MorphRapierSystems::BeforeStep);
-        app.add_systems(
-            schedule,
-            before_steps.after(attach::stop_absent).before(step::before_step),
-        );
+    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(MorphCollisionSystems::Anchors);
+    let before_steps = frames::record_frame
+        .in_set(MorphRapierSystems::BeforeStep)
+        .after(attach::stop_absent)
+        .before(step::before_step);
+    if is_fixed != Some(false) {
+        app.add_systems(PostUpdate, at_the_end.run_if(fixed))
+            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
+    }
+    if is_fixed != Some(true) {
+        app.add_systems(schedule, before_steps.run_if(not(fixed)));
     }
     // Has no effect if controllers already exist; those are carried if you add the component to them.
     let _too_late = app.try_register_required_components::<KinematicCharacterController, MorphCharacterCarry>();

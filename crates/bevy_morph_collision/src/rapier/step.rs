@@ -29,6 +29,7 @@ use crate::collider::MorphColliderDisabled;
 use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;
+use crate::physics::schedule::InFixedLoop;
 
 /// Counts of [`MorphRapierCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,14 +60,28 @@ pub(crate) struct Stepping {
     too_large: HashSet<u128>,
     /// Whether physics runs in a fixed schedule.
     pub(super) is_fixed: bool,
+    /// Whether each step decides that.
+    is_learning: bool,
     /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
     watch: Watch,
 }
 
 impl Stepping {
-    pub(super) fn new(is_fixed: bool) -> Self {
-        Self { is_fixed, ..default() }
+    /// `None` if only the first step will show whether physics runs in a fixed schedule.
+    pub(super) fn new(is_fixed: Option<bool>) -> Self {
+        Self {
+            is_fixed: is_fixed.unwrap_or(false),
+            is_learning: is_fixed.is_none(),
+            ..default()
+        }
+    }
+
+    /// Runs before every step.
+    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
+        if self.is_learning {
+            self.is_fixed = inside.0;
+        }
     }
 }
 
@@ -117,10 +132,12 @@ pub(super) fn before_step(
     mut sources: Sources,
     mode: Res<TimestepMode>,
     time: Res<Time>,
+    inside: Res<InFixedLoop>,
     mut stepping: ResMut<Stepping>,
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
 ) {
     let start = Instant::now();
+    stepping.learn(&inside);
     *diagnostics = MorphRapierDiagnostics::default();
     if surfaces.is_empty() {
         return;
@@ -133,6 +150,7 @@ pub(super) fn before_step(
         is_fixed,
         lag,
         watch,
+        ..
     } = &mut *stepping;
     if watch.was_set(&time) {
         for (_, _, mut surface, ..) in &mut surfaces {

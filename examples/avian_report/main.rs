@@ -14,11 +14,12 @@ use clap::Parser;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::outcome::exit_code;
 use morph_collision_workspace::physics::behaviour::Behaviour;
+use morph_collision_workspace::physics::bullets;
 use morph_collision_workspace::physics::drops::{Drop, Kind, batch_of_drops, bowl, fates, waves};
 use morph_collision_workspace::physics::times::{Scene, Timed, table};
 use morph_collision_workspace::physics::{DT, settle, sheet};
 use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite};
-use stage::{Method, Surface, app, body, drop_body, floor, small, state, stay_awake};
+use stage::{Kinematic, Method, Surface, app, body, drop_body, floor, small, state, stay_awake};
 
 /// Tables about Avian's rigid bodies on morphing surfaces.
 #[derive(Parser)]
@@ -36,9 +37,10 @@ struct Options {
 fn main() -> ExitCode {
     let options = Options::parse();
     let batches = if options.tables.quick { 4 } else { options.batches };
-    let sections: [Section<'_>; 4] = [
+    let sections: [Section<'_>; 5] = [
         ("behaviour", Box::new(|| Ok(behaviour()))),
         ("units", Box::new(|| Ok(units()))),
+        ("bullets", Box::new(|| Ok(shots()))),
         ("drops", Box::new(|| Ok(drops(batches)))),
         ("time", Box::new(|| Ok(times(options.tables.quick)))),
     ];
@@ -55,6 +57,12 @@ fn behaviour() -> String {
 fn units() -> String {
     let rows = [0.01, 1.0, 10.0, 100.0].map(|unit| Behaviour::of(&Method::Ours, unit).row(&unit.to_string()));
     Behaviour::head("length unit") + &rows.concat()
+}
+
+/// Bullets that go through a surface that comes towards them.
+fn shots() -> String {
+    let methods = Method::ALL.map(|method| bullets::rows(&method, method.name()));
+    bullets::head() + &methods.concat() + &bullets::rows(&Kinematic, "`Collider::trimesh` on a kinematic body")
 }
 
 /// Drops bodies that do not collide with each other into the bowl, and counts how many fall through.

@@ -15,8 +15,9 @@ use morph_collision_testkit::bench::cpu;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::outcome::exit_code;
 use morph_collision_workspace::physics::behaviour::Behaviour;
+use morph_collision_workspace::physics::bullets;
 use morph_collision_workspace::physics::times::{Scene, Timed, scenes, table, time};
-use morph_collision_workspace::physics::{Method, Surface, app, body, settle, sheet};
+use morph_collision_workspace::physics::{Kinematic, Method, Surface, app, body, settle, sheet};
 use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
 
 /// Tables about rigid bodies on morphing surfaces.
@@ -79,10 +80,11 @@ fn run(options: &Options) -> Result<(), String> {
         }
         return Ok(());
     }
-    let sections: [Section<'_>; 5] = [
+    let sections: [Section<'_>; 6] = [
         ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
         ("behaviour", Box::new(|| Ok(behaviour()))),
         ("units", Box::new(|| Ok(units()))),
+        ("bullets", Box::new(|| Ok(shots()))),
         ("drops", Box::new(|| Ok(drops::table(quick)))),
         ("time", Box::new(|| Ok(times(quick)))),
     ];
@@ -103,6 +105,12 @@ fn behaviour() -> String {
 fn units() -> String {
     let rows = [0.01, 1.0, 10.0, 100.0].map(|unit| Behaviour::of(&Method::Ours, unit).row(&unit.to_string()));
     Behaviour::head("length unit") + &rows.concat()
+}
+
+/// Bullets that go through a surface that comes towards them.
+fn shots() -> String {
+    let methods = [Method::Ours, Method::NewMesh, Method::SoftBody].map(|method| bullets::rows(&method, method.name()));
+    bullets::head() + &methods.concat() + &bullets::rows(&Kinematic, "`TriMesh` on a kinematic body")
 }
 
 /// The cost of a frame.

@@ -1,5 +1,6 @@
 //! The plugin together with `avian3d`, in apps without a window.
 
+mod bullets;
 mod events;
 mod frames;
 mod life;

@@ -1,6 +1,7 @@
 //! The plugin together with `bevy_rapier3d`, in apps without a window.
 
 mod bad_places;
+mod bullets;
 mod characters;
 #[cfg(feature = "render")]
 mod cookbook;

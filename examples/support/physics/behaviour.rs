@@ -13,8 +13,8 @@ pub type PoseSurface<'a> = Box<dyn FnMut(&mut App, &[f32]) + 'a>;
 
 /// A physics engine, and a way to make a morphing mesh collide in it.
 pub trait Engine {
-    /// An app in a world of this length unit, with steps of [`DT`], one per frame, and 9.81 units of gravity.
-    fn app(&self, unit: f32) -> App;
+    /// An app in a world of this length unit, with steps of `dt` seconds, one per frame, and 9.81 units of gravity.
+    fn app(&self, unit: f32, dt: f32) -> App;
 
     /// Spawns a mesh at rest.
     fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a>;
@@ -27,6 +27,9 @@ pub trait Engine {
 
     /// Gives a body a velocity.
     fn push(&self, app: &mut App, body: Entity, velocity: Vec3);
+
+    /// Switches continuous collision detection of a body on or off.
+    fn set_ccd(&self, app: &mut App, body: Entity, on: bool);
 
     /// A body's position and velocity.
     fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3);
@@ -188,7 +191,7 @@ impl<'a, E: Engine> Scene<'a, E> {
     }
 
     fn spawn(engine: &'a E, mesh: &'a MorphMesh, unit: f32, (kind, half, at): (Kind, f32, Vec3)) -> Self {
-        let mut app = engine.app(unit);
+        let mut app = engine.app(unit, DT);
         let pose = engine.surface(&mut app, mesh);
         settle(&mut app);
         let body = engine.body(&mut app, kind, half * unit, at * unit);

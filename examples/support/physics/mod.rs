@@ -1,6 +1,7 @@
 //! Rigid bodies on morphing surfaces: scenes shared by examples and tests, and the methods that make a surface collide.
 
 pub mod behaviour;
+pub mod bullets;
 pub mod drops;
 pub mod player;
 mod rivals;
@@ -8,16 +9,18 @@ pub mod times;
 
 use std::f32::consts::TAU;
 use std::path::Path;
+use std::time::Duration;
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 
-pub use rivals::{Method, Surface, blend};
+pub use rivals::{Kinematic, Method, Surface, blend};
 
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;
@@ -34,12 +37,18 @@ pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
 
 /// The same app in a world with another unit of length. Gravity follows.
 pub fn app_in_unit(assets: &Path, unit: f32, plugin: impl Plugin) -> App {
+    app_with_steps(assets, unit, DT, plugin)
+}
+
+/// The same app with steps of another length, one per frame.
+fn app_with_steps(assets: &Path, unit: f32, dt: f32, plugin: impl Plugin) -> App {
     let mut app = crate::app::headless(assets);
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default().with_length_unit(unit),
         MorphRapierPlugin::default(),
     ))
-    .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
+    .insert_resource(TimestepMode::Fixed { dt, substeps: 1 })
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(dt)))
     .add_plugins(plugin);
     crate::app::ready(&mut app);
     app

@@ -32,6 +32,7 @@ use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
 use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::part::Pace;
+use crate::physics::passage::middle;
 use crate::physics::schedule::InFixedLoop;
 use crate::skeletons::{BindPoses, Skeletons};
 
@@ -335,18 +336,43 @@ pub(super) fn drive_out(
         let Ok((mut velocity, locked)) = bodies.get_mut(body) else {
             continue;
         };
-        let locked = locked.copied().unwrap_or_default();
-        let free = Vec3::new(
-            f32::from(!locked.is_translation_x_locked()),
-            f32::from(!locked.is_translation_y_locked()),
-            f32::from(!locked.is_translation_z_locked()),
-        );
-        velocity.0 += free * change;
+        velocity.0 += free_axes(locked) * change;
         commands.queue_silenced(WakeBody(body));
     }
 }
 
-/// Whole surfaces answer queries again.
-pub(super) fn after_step(stepping: Res<Stepping>) {
+/// After the solver, moves bodies back that have passed through a surface. From then on, whole surfaces answer queries again.
+pub(super) fn after_step(
+    mut surfaces: Query<&mut AvianSurface>,
+    colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>)>,
+    mut bodies: Query<(&mut Position, &Rotation, Option<&LockedAxes>), (With<RigidBody>, Without<MorphAvianPart>)>,
+    stepping: Res<Stepping>,
+) {
+    for mut surface in &mut surfaces {
+        let AvianSurface { following, pushing, .. } = &mut *surface;
+        let end = |entity| {
+            let (collider, of, in_body) = colliders.get(entity).ok()?;
+            let (position, rotation, _) = bodies.get(of.body).ok()?;
+            let in_body = in_body.filter(|_| of.body != entity);
+            let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
+            let place = Place::from_parts(position.0, rotation.0) * in_body;
+            Some(place.transform_point(middle(collider.shape_scaled().0.as_ref())?))
+        };
+        for (body, shift) in pushing.hold_back(following, end) {
+            if let Ok((mut position, _, locked)) = bodies.get_mut(body) {
+                position.0 += free_axes(locked) * shift;
+            }
+        }
+    }
     stepping.now.store(false, Ordering::Release);
+}
+
+/// 1 for each axis along which a body may move, and 0 for the others.
+fn free_axes(locked: Option<&LockedAxes>) -> Vec3 {
+    let locked = locked.copied().unwrap_or_default();
+    Vec3::new(
+        f32::from(!locked.is_translation_x_locked()),
+        f32::from(!locked.is_translation_y_locked()),
+        f32::from(!locked.is_translation_z_locked()),
+    )
 }

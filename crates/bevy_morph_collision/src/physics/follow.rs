@@ -341,6 +341,22 @@ impl Following {
         continuous(&velocities, earlier.as_deref(), limit)
     }
 
+    /// Whether vertices move and do not jump. `before` are their positions before the step, and `velocities` those to the end of it.
+    pub(crate) fn is_motion(&mut self, vertices: &[u32], before: &[DVec3], velocities: &[DVec3]) -> bool {
+        if self.looks_between_frames() {
+            return self.goes_on(vertices);
+        }
+        let limit = self.velocity_limit();
+        if continuous(velocities, None, limit) {
+            return true;
+        }
+        let Some(time) = self.moved_for else { return false };
+        let (mut past, mut earlier) = (Vec::new(), Vec::new());
+        self.past.vertices(vertices, &mut past);
+        between(&past, before, time, &mut earlier);
+        continuous(velocities, Some(&earlier), limit)
+    }
+
     /// Whether the coming step uses values between frames.
     pub(crate) fn looks_between_frames(&self) -> bool {
         self.span.is_some() && self.drawn.follows_frames()

@@ -13,6 +13,7 @@
 //! - `sorted_boxes`: finds the moving bodies near a surface.
 //! - `near`, `part`, `motion`: triangles near those bodies, as kinematic bodies for one step.
 //! - `schedule`: where an engine steps.
+//! - `passage`: keeps fast bodies from passing through.
 //! - `scene`: all parts of a scene at once.
 
 pub(crate) mod ahead;
@@ -27,6 +28,7 @@ pub(crate) mod moment;
 pub(crate) mod motion;
 pub(crate) mod near;
 pub(crate) mod part;
+pub(crate) mod passage;
 pub(crate) mod placed;
 pub(crate) mod point;
 pub(crate) mod range;

@@ -6,7 +6,7 @@ use parry3d::shape::{Triangle, TrianglePseudoNormals};
 
 use super::follow::Following;
 use super::layout::{MeshLayout, NONE};
-use super::motion::{RigidMotion, between, continuous, fastest, largest};
+use super::motion::{RigidMotion, between, fastest, largest};
 use super::triangles::pseudo_normals;
 
 /// The parameters of a step.
@@ -76,9 +76,7 @@ pub(crate) struct PartScratch {
     part: u32,
     now: Vec<DVec3>,
     before: Vec<DVec3>,
-    past: Vec<DVec3>,
     velocities: Vec<DVec3>,
-    velocities_before: Vec<DVec3>,
     weights: Vec<f64>,
 }
 
@@ -211,9 +209,7 @@ impl<P: Default> Part<P> {
         let PartScratch {
             now,
             before,
-            past,
             velocities,
-            velocities_before,
             ..
         } = scratch;
         following.before.vertices(&self.vertices, before);
@@ -230,12 +226,7 @@ impl<P: Default> Part<P> {
                 })
                 || following.goes_on(&self.vertices);
         }
-        let earlier = following.moved_for.filter(|_| fastest(velocities) > limit).map(|time| {
-            following.past.vertices(&self.vertices, past);
-            between(past, before, time, velocities_before);
-            &velocities_before[..]
-        });
-        if !continuous(velocities, earlier, limit) {
+        if !following.is_motion(&self.vertices, before, velocities) {
             return false;
         }
         if following.motion_time() > f64::from(pace.dt) {

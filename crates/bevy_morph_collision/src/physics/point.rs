@@ -8,7 +8,7 @@ use morph_collision::{Body, ShapeQuery};
 use morph_collision::{ClosestPoint, Pose, WorldFromModel};
 
 use super::follow::Following;
-use super::motion::{between, continuous};
+use super::motion::between;
 #[cfg(feature = "rapier")]
 use super::placed::into_query;
 
@@ -43,34 +43,19 @@ impl Following {
     /// confirmed as a motion, as for bodies. `None` if the triangle does not exist.
     pub(crate) fn velocity_at(&mut self, point: SurfacePoint) -> Option<DVec3> {
         let corners = self.before.pose.bvh().model().triangle(point.triangle)?;
-        let dt = f64::from(self.last_step());
-        if !self.is_in_motion() || dt <= 0.0 {
+        if !self.is_in_motion() || self.last_step() <= 0.0 {
             return Some(DVec3::ZERO);
         }
-        let [mut now, mut before, mut past] = [const { Vec::new() }; 3];
+        let [mut now, mut before, mut velocities] = [const { Vec::new() }; 3];
         self.vertices(&corners, &mut now);
         self.before.vertices(&corners, &mut before);
-        let velocities = |from: &[DVec3], to: &[DVec3], dt: f64| -> Vec<DVec3> {
-            let mut velocities = Vec::new();
-            between(from, to, dt, &mut velocities);
-            velocities
-        };
-        let velocity = velocities(&before, &now, self.motion_time());
-        let goes_on = if self.looks_between_frames() {
-            self.goes_on(&corners)
-        } else {
-            let earlier = self.moved_for.map(|time| {
-                self.past.vertices(&corners, &mut past);
-                velocities(&past, &before, time)
-            });
-            continuous(&velocity, earlier.as_deref(), self.velocity_limit())
-        };
-        if !goes_on {
+        between(&before, &now, self.motion_time(), &mut velocities);
+        if !self.is_motion(&corners, &before, &velocities) {
             return Some(DVec3::ZERO);
         }
         let shares = point.barycentrics.to_array();
         Some(
-            velocity
+            velocities
                 .iter()
                 .zip(shares)
                 .map(|(velocity, share)| share * velocity)

@@ -291,6 +291,7 @@ pub(super) fn after_step(
             if pushing.repeats {
                 repeating.insert(entity, context);
             }
+            pushing.hold_back(following, &mut bodies.bodies, &mut colliders.colliders);
             pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
         }
     }

@@ -1,6 +1,7 @@
 //! The plugin together with `avian3d`, in apps without a window.
 
 mod bullets;
+mod characters;
 mod events;
 mod frames;
 mod life;

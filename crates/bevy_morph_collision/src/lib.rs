@@ -106,7 +106,8 @@
 //!
 //! - `MorphRapierCollider` and `MorphRapierPlugin` (feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d`
 //!   collide with the surface.
-//! - `MorphAvianCollider` and `MorphAvianPlugin` (feature `avian`): so do rigid bodies of `avian3d`.
+//! - `MorphAvianCollider` and `MorphAvianPlugin` (feature `avian`): so do rigid bodies of `avian3d`. `MorphAvianCarry` carries
+//!   characters that use Avian's `MoveAndSlide`.
 //!
 //! ## Wait until everything is ready
 //!
@@ -216,7 +217,8 @@ mod workers;
 pub use anchors::MorphSurfaceAnchor;
 #[cfg(feature = "avian")]
 pub use avian::{
-    MorphAvianCollider, MorphAvianDiagnostics, MorphAvianPart, MorphAvianPlugin, MorphAvianScene, MorphAvianSystems,
+    MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
+    MorphAvianScene, MorphAvianSystems, MorphAvianVelocity,
 };
 pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
 pub use body_events::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
@@ -273,7 +275,10 @@ pub mod prelude {
         ImportError, MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady, MorphTreeProgress, MorphTrees,
     };
     #[cfg(feature = "avian")]
-    pub use crate::{MorphAvianCollider, MorphAvianDiagnostics, MorphAvianPart, MorphAvianPlugin, MorphAvianScene};
+    pub use crate::{
+        MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
+        MorphAvianScene, MorphAvianVelocity,
+    };
     #[cfg(feature = "rapier")]
     pub use crate::{
         MorphCharacterCarry, MorphCharacterGround, MorphRapierCollider, MorphRapierDiagnostics, MorphRapierPlugin,

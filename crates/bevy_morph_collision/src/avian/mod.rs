@@ -8,12 +8,14 @@
 //! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
 //! - `frames`: remembers the poses with which surfaces are drawn.
 //! - `step`: the systems around Avian's step.
+//! - `carry`: carries characters. `velocity`: velocities of surfaces, as a public system parameter.
 //! - `contacts`: turns contacts with parts into contacts with the surface.
 //!
 //! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
 
 mod ahead;
 mod attach;
+mod carry;
 mod contacts;
 mod frames;
 mod movers;
@@ -22,6 +24,7 @@ mod push;
 mod scene;
 mod shape;
 mod step;
+mod velocity;
 
 use avian3d::prelude::{NarrowPhaseSystems, PhysicsLengthUnit, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::app::AnimationSystems;
@@ -29,9 +32,11 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 use tracing::error;
 
+pub use carry::{MorphAvianCarry, MorphAvianGround};
 pub use part::MorphAvianPart;
 pub use scene::MorphAvianScene;
 pub use step::MorphAvianDiagnostics;
+pub use velocity::MorphAvianVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
@@ -53,6 +58,7 @@ use crate::plugins::missing;
 /// - On a dynamic body it is the body's shape. In each step it collides with its shape at that time, and its morphing moves
 ///   others only by pushing them out of itself.
 /// - With a `Sensor` it reports what it touches, and pushes nothing.
+/// - A character that your game moves, for example with `MoveAndSlide`, is carried by it if it has a [`MorphAvianCarry`].
 ///
 /// Like `Collider::trimesh`, it is a surface without an inside, unless it is [`solid`](Self::solid).
 ///
@@ -236,6 +242,9 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .register_type::<MorphAvianScene>()
         .register_type::<MorphAvianPart>()
         .register_type::<MorphAvianDiagnostics>()
+        .register_type::<MorphAvianCarry>()
+        .register_type::<MorphAvianGround>()
+        .init_resource::<carry::Footing>()
         .init_resource::<MorphAvianDiagnostics>()
         .insert_resource(step::Stepping::new(is_fixed))
         .add_observer(attach::detach_surface)
@@ -266,7 +275,18 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .in_set(MorphAvianSystems::Attach),
         )
-        .add_systems(schedule, frames::rest.after(PhysicsSystems::StepSimulation))
+        .add_systems(
+            schedule,
+            (
+                carry::find_ground
+                    .after(PhysicsSystems::Prepare)
+                    .before(PhysicsSystems::StepSimulation),
+                (carry::carry, frames::rest)
+                    .chain()
+                    .after(PhysicsSystems::StepSimulation)
+                    .before(PhysicsSystems::Writeback),
+            ),
+        )
         // Avian rejects schedules whose systems have an ambiguous order. A game's own systems may be anywhere.
         .add_systems(
             PhysicsSchedule,

@@ -1,15 +1,10 @@
 //! Points of a surface: their positions and velocities.
 
-use bevy::math::DVec3;
-#[cfg(feature = "rapier")]
-use bevy::math::Vec3;
-#[cfg(feature = "rapier")]
-use morph_collision::{Body, ShapeQuery};
-use morph_collision::{ClosestPoint, Pose, WorldFromModel};
+use bevy::math::{DVec3, Vec3};
+use morph_collision::{Body, ClosestPoint, Pose, ShapeQuery, WorldFromModel};
 
 use super::follow::Following;
 use super::motion::between;
-#[cfg(feature = "rapier")]
 use super::placed::into_query;
 
 /// A point of a mesh.
@@ -64,7 +59,6 @@ impl Following {
     }
 
     /// The point of the surface that is closest to a point in world space.
-    #[cfg(feature = "rapier")]
     pub(crate) fn closest(&mut self, point: Vec3, query: &mut ShapeQuery) -> Option<SurfacePoint> {
         let mut posed = self.surface.lock();
         let point = into_query(point.as_dvec3(), &posed.pose, &self.world_from_model);

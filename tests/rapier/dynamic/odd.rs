@@ -375,3 +375,30 @@ fn a_body_that_slept_before_its_surface_came_falls_and_holds() {
     let height = place(&app, ball).y;
     assert!((height - 2.0 * HALF.y - 0.2).abs() < 1e-2, "the ball is at {height}");
 }
+
+#[test]
+fn a_slab_whose_sides_stand_straight_on_the_ground_stays_where_it_is() {
+    for locked in [
+        LockedAxes::ROTATION_LOCKED,
+        LockedAxes::ROTATION_LOCKED | LockedAxes::TRANSLATION_LOCKED_X,
+    ] {
+        let mut app = app();
+        app.world_mut()
+            .spawn((Collider::cuboid(5.0, 0.5, 5.0), Transform::from_xyz(0.0, -0.5, 0.0)));
+        let above = Transform::from_xyz(0.0, HALF.y + 0.01, 0.0);
+        let surface = spawn(
+            &mut app,
+            &slab(HALF),
+            (RigidBody::Dynamic, above, Velocity::default(), locked),
+        );
+        settle(&mut app);
+        let ball = body(&mut app, Collider::ball(0.2), Vec3::new(0.1, 2.0 * HALF.y + 0.25, 0.05));
+        // It touches the ground exactly, and falls asleep.
+        run(&mut app, 60);
+        rise(&mut app, surface, 60, 0.5);
+        let at = place(&app, surface);
+        assert!(at.distance(Vec3::Y * HALF.y) < 5e-3, "{locked:?}: {at}");
+        let speed = velocity(&app, ball).y;
+        assert!((speed - 0.5).abs() < 0.01, "{locked:?}: {speed}");
+    }
+}

@@ -57,9 +57,9 @@ fn main() -> ExitCode {
 pub(crate) fn play(app: &mut App) {
     app.add_plugins((
         MorphCollisionPlugin::default(),
-        // Physics runs in fixed steps, independently of the frame rate. Both plugins have to know.
+        // Physics runs in fixed steps, independently of the frame rate.
         RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
-        MorphRapierPlugin::new(FixedUpdate),
+        MorphRapierPlugin::default(),
         heaving::plugin,
     ))
     .insert_resource(Time::<Fixed>::from_hz(RATE))

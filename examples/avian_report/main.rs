@@ -13,11 +13,13 @@ use bevy::prelude::*;
 use clap::Parser;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::outcome::exit_code;
+use morph_collision_workspace::physics::behaviour::Behaviour;
+use morph_collision_workspace::physics::bullets;
 use morph_collision_workspace::physics::drops::{Drop, Kind, batch_of_drops, bowl, fates, waves};
 use morph_collision_workspace::physics::times::{Scene, Timed, table};
 use morph_collision_workspace::physics::{DT, settle, sheet};
 use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite};
-use stage::{Method, Surface, app, body, drop_body, floor, glide, half, small, state, stay_awake};
+use stage::{Kinematic, Method, Surface, app, body, drop_body, floor, small, state, stay_awake};
 
 /// Tables about Avian's rigid bodies on morphing surfaces.
 #[derive(Parser)]
@@ -35,77 +37,32 @@ struct Options {
 fn main() -> ExitCode {
     let options = Options::parse();
     let batches = if options.tables.quick { 4 } else { options.batches };
-    let sections: [Section<'_>; 3] = [
+    let sections: [Section<'_>; 5] = [
         ("behaviour", Box::new(|| Ok(behaviour()))),
+        ("units", Box::new(|| Ok(units()))),
+        ("bullets", Box::new(|| Ok(shots()))),
         ("drops", Box::new(|| Ok(drops(batches)))),
         ("time", Box::new(|| Ok(times(options.tables.quick)))),
     ];
     exit_code(rewrite(&options.page, &options.tables, &sections))
 }
 
-/// A body that rests on a sheet.
-fn at_rest(method: Method, mesh: &MorphMesh, kind: Kind) -> (App, Surface<'_>, Entity) {
-    let mut app = app(Path::new("."));
-    let surface = Surface::spawn(&mut app, method, mesh, Vec3::ZERO, &mut None);
-    settle(&mut app);
-    let body = body(&mut app, half(kind), Vec3::new(0.1, 0.52, 0.05));
-    for _ in 0..60 {
-        app.update();
-    }
-    (app, surface, body)
+/// How a surface acts on a body that rests on it; the same scenes as in docs/rapier.md.
+fn behaviour() -> String {
+    let rows = Method::ALL.map(|method| Behaviour::of(&method, 1.0).row(method.name()));
+    Behaviour::head("method") + &rows.concat()
 }
 
-/// Five ways in which a surface acts on a body that rests on it; the same as in docs/rapier.md.
-fn behaviour() -> String {
-    let mesh = sheet(32);
-    let mut table = String::from(
-        "| method | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for method in Method::ALL {
-        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
-        for i in 1..=90 {
-            surface.pose(&mut app, &[0.5 * DT * i as f32, 0.0]);
-            app.update();
-        }
-        let (place, speed) = state(&app, body);
-        let (rise, gap) = (speed.y, place.y - 0.5 - 0.75);
+/// The same with this plugin in worlds of other length units.
+fn units() -> String {
+    let rows = [0.01, 1.0, 10.0, 100.0].map(|unit| Behaviour::of(&Method::Ours, unit).row(&unit.to_string()));
+    Behaviour::head("length unit") + &rows.concat()
+}
 
-        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Cuboid);
-        for i in 1..=120 {
-            surface.pose(&mut app, &[0.0, DT * i as f32]);
-            app.update();
-        }
-        let slide = state(&app, body).1.x;
-
-        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
-        for i in 1..=6 {
-            surface.pose(&mut app, &[i as f32 / 12.0, 0.0]);
-            app.update();
-        }
-        let slap = state(&app, body).1.y;
-
-        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
-        surface.pose(&mut app, &[0.2, 0.0]);
-        let mut highest: f32 = 0.0;
-        for _ in 0..120 {
-            app.update();
-            highest = highest.max(state(&app, body).0.y);
-        }
-
-        let (mut app, _, body) = at_rest(method, &mesh, Kind::Cuboid);
-        glide(&mut app, body);
-        for _ in 0..60 {
-            app.update();
-        }
-        let glides = state(&app, body).1.x;
-
-        let name = method.name();
-        let _infallible = writeln!(
-            table,
-            "| {name} | {rise:.3} | {gap:+.4} | {slide:.3} | {slap:.2} | {highest:.3} | {glides:.3} |"
-        );
-    }
-    table
+/// Bullets that go through a surface that comes towards them.
+fn shots() -> String {
+    let methods = Method::ALL.map(|method| bullets::rows(&method, method.name()));
+    bullets::head() + &methods.concat() + &bullets::rows(&Kinematic, "`Collider::trimesh` on a kinematic body")
 }
 
 /// Drops bodies that do not collide with each other into the bowl, and counts how many fall through.

@@ -9,14 +9,22 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::physics::behaviour::{Engine, PoseSurface};
 use morph_collision_workspace::physics::drops::{Drop, Kind};
 use morph_collision_workspace::physics::{DT, bevy_mesh, blend};
 
 /// An app with Avian in steps of [`DT`], one per frame, ready for its first frame.
 pub(crate) fn app(assets: &Path) -> App {
+    app_with_steps(assets, 1.0, DT)
+}
+
+/// The same app in a world with another unit of length, and with steps of another length.
+fn app_with_steps(assets: &Path, unit: f32, dt: f32) -> App {
     let mut app = morph_collision_workspace::app::headless(assets);
-    let step = Duration::from_secs_f32(DT);
-    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin::default()))
+    let step = Duration::from_secs_f32(dt);
+    let physics = PhysicsPlugins::default().with_length_unit(unit);
+    app.add_plugins((physics, MorphAvianPlugin::default()))
+        .insert_resource(Gravity(Vec3::NEG_Y * 9.81 * unit))
         .insert_resource(Time::<Fixed>::from_duration(step))
         .insert_resource(TimeUpdateStrategy::ManualDuration(step));
     morph_collision_workspace::app::ready(&mut app);
@@ -42,6 +50,86 @@ impl Method {
             Self::Ours => "`MorphAvianCollider`",
             Self::NewMesh => "new `Collider::trimesh`",
         }
+    }
+}
+
+impl Engine for Method {
+    fn app(&self, unit: f32, dt: f32) -> App {
+        app_with_steps(Path::new("."), unit, dt)
+    }
+
+    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
+        let mut surface = Surface::spawn(app, *self, mesh, Vec3::ZERO, &mut None);
+        Box::new(move |app, weights| surface.pose(app, weights))
+    }
+
+    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
+        let collider = match kind {
+            Kind::Ball => Collider::sphere(half),
+            _ => Collider::cuboid(2.0 * half, 2.0 * half, 2.0 * half),
+        };
+        body(app, collider, at)
+    }
+
+    fn make_slippery(&self, app: &mut App, body: Entity) {
+        let slippery = Friction::new(0.0).with_combine_rule(CoefficientCombine::Min);
+        app.world_mut().entity_mut(body).insert(slippery);
+    }
+
+    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
+        app.world_mut().entity_mut(body).insert(LinearVelocity(velocity));
+    }
+
+    fn set_ccd(&self, app: &mut App, body: Entity, on: bool) {
+        let filter = if on { CcdFilter::DEFAULT } else { CcdFilter::NONE };
+        let swept = SweptCcd::default().with_filter(filter);
+        app.world_mut().entity_mut(body).insert(swept);
+    }
+
+    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3) {
+        state(app, body)
+    }
+}
+
+/// A plain mesh on a kinematic body, which follows the first weight: what Avian does for a surface that only moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kinematic;
+
+impl Engine for Kinematic {
+    fn app(&self, unit: f32, dt: f32) -> App {
+        Engine::app(&Method::NewMesh, unit, dt)
+    }
+
+    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
+        let collider = Collider::trimesh(mesh.positions.clone(), mesh.triangles.clone());
+        let body = (RigidBody::Kinematic, SleepingDisabled, collider, Transform::default());
+        let (entity, way) = (app.world_mut().spawn(body).id(), mesh.targets[0][0]);
+        Box::new(move |app, weights| {
+            let dt = app.world().resource::<Time<Fixed>>().timestep().as_secs_f32();
+            let place = app.world().get::<Position>(entity).map(|place| place.0);
+            let velocity = (way * weights[0] - place.unwrap_or_default()) / dt;
+            app.world_mut().entity_mut(entity).insert(LinearVelocity(velocity));
+        })
+    }
+
+    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
+        Engine::body(&Method::NewMesh, app, kind, half, at)
+    }
+
+    fn make_slippery(&self, app: &mut App, body: Entity) {
+        Method::NewMesh.make_slippery(app, body);
+    }
+
+    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
+        Method::NewMesh.push(app, body, velocity);
+    }
+
+    fn set_ccd(&self, app: &mut App, body: Entity, on: bool) {
+        Method::NewMesh.set_ccd(app, body, on);
+    }
+
+    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3) {
+        Engine::state(&Method::NewMesh, app, body)
     }
 }
 
@@ -124,21 +212,6 @@ pub(crate) fn drop_body(app: &mut App, drop: &Drop) -> Entity {
 pub(crate) fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
     let body = (RigidBody::Dynamic, collider, Transform::from_translation(at));
     app.world_mut().spawn(body).id()
-}
-
-/// Makes a cuboid slide at 3/s without friction or damping.
-pub(crate) fn glide(app: &mut App, body: Entity) {
-    let slippery = Friction::new(0.0).with_combine_rule(CoefficientCombine::Min);
-    let pushed = (slippery, LinearVelocity(Vec3::X * 3.0));
-    app.world_mut().entity_mut(body).insert(pushed);
-}
-
-/// A ball of radius 0.5, or a cuboid of half-extent 0.5.
-pub(crate) fn half(kind: Kind) -> Collider {
-    match kind {
-        Kind::Ball => Collider::sphere(0.5),
-        _ => Collider::cuboid(1.0, 1.0, 1.0),
-    }
 }
 
 /// A ball of radius 0.3, or a cuboid of half-extent 0.3.

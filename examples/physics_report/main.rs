@@ -5,7 +5,6 @@
 
 mod drops;
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -15,8 +14,10 @@ use clap::Parser;
 use morph_collision_testkit::bench::cpu;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::outcome::exit_code;
+use morph_collision_workspace::physics::behaviour::Behaviour;
+use morph_collision_workspace::physics::bullets;
 use morph_collision_workspace::physics::times::{Scene, Timed, scenes, table, time};
-use morph_collision_workspace::physics::{DT, Method, Surface, app, body, settle, sheet, state};
+use morph_collision_workspace::physics::{Kinematic, Method, Surface, app, body, settle, sheet};
 use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
 
 /// Tables about rigid bodies on morphing surfaces.
@@ -79,9 +80,11 @@ fn run(options: &Options) -> Result<(), String> {
         }
         return Ok(());
     }
-    let sections: [Section<'_>; 4] = [
+    let sections: [Section<'_>; 6] = [
         ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
         ("behaviour", Box::new(|| Ok(behaviour()))),
+        ("units", Box::new(|| Ok(units()))),
+        ("bullets", Box::new(|| Ok(shots()))),
         ("drops", Box::new(|| Ok(drops::table(quick)))),
         ("time", Box::new(|| Ok(times(quick)))),
     ];
@@ -92,74 +95,22 @@ fn here() -> App {
     app(Path::new("."))
 }
 
-/// A body that rests on a sheet.
-fn at_rest<'a>(method: Method, mesh: &'a MorphMesh, collider: Collider) -> (App, Surface<'a>, Entity) {
-    let mut app = here();
-    let surface = Surface::spawn(&mut app, method, mesh, Vec3::ZERO, &mut None);
-    settle(&mut app);
-    let body = body(&mut app, collider, Vec3::new(0.1, 0.52, 0.05));
-    for _ in 0..60 {
-        app.update();
-    }
-    (app, surface, body)
+/// The effect of a surface on a body that rests on it, with every method.
+fn behaviour() -> String {
+    let rows = Method::ALL.map(|method| Behaviour::of(&method, 1.0).row(method.name()));
+    Behaviour::head("method") + &rows.concat()
 }
 
-/// The effect of a surface on a body that rests on it.
-fn behaviour() -> String {
-    let mesh = sheet(32);
-    let ball = || Collider::ball(0.5);
-    let mut table = String::from(
-        "| method | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for method in Method::ALL {
-        let (mut app, mut surface, body) = at_rest(method, &mesh, ball());
-        for i in 1..=90 {
-            surface.pose(&mut app, &[0.5 * DT * i as f32, 0.0]);
-            app.update();
-        }
-        let (place, speed) = state(&app, body);
-        let (rise, gap) = (speed.y, place.y - 0.5 - 0.75);
+/// The same with this plugin in worlds of other length units.
+fn units() -> String {
+    let rows = [0.01, 1.0, 10.0, 100.0].map(|unit| Behaviour::of(&Method::Ours, unit).row(&unit.to_string()));
+    Behaviour::head("length unit") + &rows.concat()
+}
 
-        let (mut app, mut surface, body) = at_rest(method, &mesh, Collider::cuboid(0.5, 0.5, 0.5));
-        for i in 1..=120 {
-            surface.pose(&mut app, &[0.0, DT * i as f32]);
-            app.update();
-        }
-        let slide = state(&app, body).1.x;
-
-        let (mut app, mut surface, body) = at_rest(method, &mesh, ball());
-        for i in 1..=6 {
-            surface.pose(&mut app, &[i as f32 / 12.0, 0.0]);
-            app.update();
-        }
-        let slap = state(&app, body).1.y;
-
-        let (mut app, mut surface, body) = at_rest(method, &mesh, ball());
-        surface.pose(&mut app, &[0.2, 0.0]);
-        let mut highest: f32 = 0.0;
-        for _ in 0..120 {
-            app.update();
-            highest = highest.max(state(&app, body).0.y);
-        }
-        let (mut app, _, body) = at_rest(method, &mesh, Collider::cuboid(0.5, 0.5, 0.5));
-        let friction = Friction {
-            coefficient: 0.0,
-            combine_rule: CoefficientCombineRule::Min,
-        };
-        let pushed = (friction, Velocity::linear(Vec3::X * 3.0));
-        app.world_mut().entity_mut(body).insert(pushed);
-        for _ in 0..60 {
-            app.update();
-        }
-        let glide = state(&app, body).1.x;
-
-        let name = method.name();
-        let _infallible = writeln!(
-            table,
-            "| {name} | {rise:.3} | {gap:+.4} | {slide:.3} | {slap:.2} | {highest:.3} | {glide:.3} |"
-        );
-    }
-    table
+/// Bullets that go through a surface that comes towards them.
+fn shots() -> String {
+    let methods = [Method::Ours, Method::NewMesh, Method::SoftBody].map(|method| bullets::rows(&method, method.name()));
+    bullets::head() + &methods.concat() + &bullets::rows(&Kinematic, "`TriMesh` on a kinematic body")
 }
 
 /// The cost of a frame.

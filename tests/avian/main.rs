@@ -1,5 +1,7 @@
 //! The plugin together with `avian3d`, in apps without a window.
 
+mod bullets;
+mod characters;
 #[cfg(feature = "render")]
 mod cookbook;
 mod events;
@@ -12,6 +14,13 @@ mod moving;
 mod presence;
 mod queries;
 mod scene;
+mod schedules;
 mod skins;
 mod solid;
+// The report's world. It has more than these tests use.
+#[allow(dead_code)]
+#[path = "../../examples/avian_report/stage.rs"]
+mod stage;
 mod support;
+mod times;
+mod units;

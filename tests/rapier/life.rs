@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -140,14 +141,25 @@ fn ambiguities(app: &mut App) -> usize {
     conflicts.sum()
 }
 
+/// A schedule of the game's own.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Own;
+
 #[test]
 fn the_plugin_adds_no_ambiguous_order_of_systems() {
     let in_frames = |app: &mut App, plugin: RapierPhysicsPlugin| _ = app.add_plugins(plugin);
     let in_steps = |app: &mut App, plugin: RapierPhysicsPlugin| _ = app.add_plugins(plugin.in_fixed_schedule());
+    // Whether steps are fixed is not known before the first one.
+    let in_own = |app: &mut App, plugin: RapierPhysicsPlugin| {
+        app.init_schedule(Own)
+            .add_systems(FixedUpdate, |world: &mut World| world.run_schedule(Own))
+            .add_plugins(plugin.in_schedule(Own));
+    };
     type Added = (fn(&mut App, RapierPhysicsPlugin), MorphRapierPlugin);
-    let schedules: [Added; 2] = [
+    let schedules: [Added; 3] = [
         (in_frames, MorphRapierPlugin::default()),
         (in_steps, MorphRapierPlugin::new(FixedUpdate)),
+        (in_own, MorphRapierPlugin::default()),
     ];
     for (add_rapier, plugin) in schedules {
         let rapier = || {

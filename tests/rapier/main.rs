@@ -1,6 +1,7 @@
 //! The plugin together with `bevy_rapier3d`, in apps without a window.
 
 mod bad_places;
+mod bullets;
 mod characters;
 #[cfg(feature = "render")]
 mod cookbook;
@@ -18,9 +19,11 @@ mod moving;
 mod presence;
 mod queries;
 mod scene;
+mod schedules;
 mod shapes;
 mod skins;
 mod solid;
 mod support;
 mod times;
+mod units;
 mod whole;

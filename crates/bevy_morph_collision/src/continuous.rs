@@ -11,8 +11,11 @@ use morph_collision::{Aabb, overlapping_pairs};
 
 use crate::collider::{Form, Placement};
 
-/// Says that an entity was put somewhere else, so that [continuous](crate::MorphCollider::continuous) colliders do not sweep
-/// through everything in between.
+/// Says that an entity was put somewhere else: it has not moved through what is in between.
+///
+/// - [Continuous](crate::MorphCollider::continuous) colliders do not sweep through everything in between.
+/// - In physics (`MorphRapierCollider`, `MorphAvianCollider`), a surface pushes out what it overlaps at its new place, but throws and
+///   carries nothing.
 ///
 /// Insert it in the frame in which you move the entity:
 ///
@@ -27,9 +30,20 @@ use crate::collider::{Form, Placement};
 ///
 /// It counts for the colliders on the entity and on its descendants, and for colliders whose [body](crate::MorphColliderOf) one of
 /// these is. In the next run, their pairs are only compared where they are then, and the plugin removes the component.
+///
+/// Physics notices the insertion, so it does not matter when the component is removed, nor whether collision detection is paused
+/// or runs in another schedule. For a surface, the component also covers a change of weights or joints in the same frame.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphTeleported;
+
+/// An entity with all its descendants.
+pub(crate) fn with_descendants(entity: Entity, children: &Query<&'static Children>) -> EntityHashSet {
+    let mut all = EntityHashSet::default();
+    all.insert(entity);
+    all.extend(children.iter_descendants(entity));
+    all
+}
 
 /// The entities that were put somewhere else since the last run.
 #[derive(SystemParam)]
@@ -44,8 +58,7 @@ impl Teleports<'_, '_> {
     pub(crate) fn take(&mut self) -> EntityHashSet {
         let mut elsewhere = EntityHashSet::default();
         for entity in &self.marked {
-            elsewhere.insert(entity);
-            elsewhere.extend(self.children.iter_descendants(entity));
+            elsewhere.extend(with_descendants(entity, &self.children));
             self.commands.entity(entity).try_remove::<MorphTeleported>();
         }
         elsewhere

@@ -79,8 +79,8 @@
 //! ```
 //!
 //! A [`continuous`](MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
-//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else. [`MorphSelfCollisions`] reports
-//! where a mesh intersects itself.
+//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else, also to physics.
+//! [`MorphSelfCollisions`] reports where a mesh intersects itself.
 //!
 //! ## Ask about the surface
 //!
@@ -106,7 +106,8 @@
 //!
 //! - `MorphRapierCollider` and `MorphRapierPlugin` (feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d`
 //!   collide with the surface.
-//! - `MorphAvianCollider` and `MorphAvianPlugin` (feature `avian`): so do rigid bodies of `avian3d`.
+//! - `MorphAvianCollider` and `MorphAvianPlugin` (feature `avian`): so do rigid bodies of `avian3d`. `MorphAvianCarry` carries
+//!   characters that use Avian's `MoveAndSlide`.
 //!
 //! ## Wait until everything is ready
 //!
@@ -228,7 +229,8 @@ mod workers;
 pub use anchors::MorphSurfaceAnchor;
 #[cfg(feature = "avian")]
 pub use avian::{
-    MorphAvianCollider, MorphAvianDiagnostics, MorphAvianPart, MorphAvianPlugin, MorphAvianScene, MorphAvianSystems,
+    MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
+    MorphAvianScene, MorphAvianSystems, MorphAvianVelocity,
 };
 pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
 pub use body_events::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
@@ -285,7 +287,10 @@ pub mod prelude {
         ImportError, MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady, MorphTreeProgress, MorphTrees,
     };
     #[cfg(feature = "avian")]
-    pub use crate::{MorphAvianCollider, MorphAvianDiagnostics, MorphAvianPart, MorphAvianPlugin, MorphAvianScene};
+    pub use crate::{
+        MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
+        MorphAvianScene, MorphAvianVelocity,
+    };
     #[cfg(feature = "rapier")]
     pub use crate::{
         MorphCharacterCarry, MorphCharacterGround, MorphRapierCollider, MorphRapierDiagnostics, MorphRapierPlugin,

@@ -29,12 +29,10 @@ use crate::plugin::MorphCollisionPlugin;
 /// effect, and nothing can tell you so. Do not add its plugins a second time: Bevy panics and names the plugin.
 ///
 /// If the counterpart of a plugin is missing (Bevy's picking or gizmos, `RapierPhysicsPlugin`, Avian's `PhysicsPlugins`), that plugin
-/// does nothing. If you then use a component for a physics engine, a warning in the log says what is missing. Add the physics engine's
-/// plugins before this group.
+/// does nothing. If you then use a component for a physics engine, a warning in the log says what is missing. The physics engine's
+/// plugins may come before or after this group, and may run in any schedule.
 ///
-/// You can leave plugins out or replace them, as in any [`PluginGroup`]. `MorphRapierPlugin` expects physics in [`PostUpdate`],
-/// Rapier's default; `MorphAvianPlugin` expects it in [`FixedPostUpdate`], Avian's default. If your physics runs in another
-/// schedule, name it: `MorphPlugins::new(FixedPostUpdate).set(MorphRapierPlugin::new(FixedUpdate))`.
+/// You can leave plugins out or replace them, as in any [`PluginGroup`].
 #[derive(Clone, Copy, Debug)]
 pub struct MorphPlugins {
     schedule: InternedScheduleLabel,
@@ -83,15 +81,18 @@ impl Plugin for InGroup {
     fn build(&self, _: &mut App) {}
 }
 
-/// Logs that a plugin does nothing because another one is missing. This is an error unless the plugin came with the group.
+/// Logs that a plugin does nothing because another one is missing. This is an error unless the plugin came with the group. Returns
+/// whether it is.
 #[cfg_attr(
     not(any(feature = "picking", feature = "gizmos", feature = "rapier", feature = "avian")),
     allow(dead_code)
 )]
-pub(crate) fn missing(app: &App, message: &str) {
-    if app.is_plugin_added::<InGroup>() {
-        debug!("{message}");
-    } else {
+pub(crate) fn missing(app: &App, message: &str) -> bool {
+    let is_error = !app.is_plugin_added::<InGroup>();
+    if is_error {
         error!("{message}");
+    } else {
+        debug!("{message}");
     }
+    is_error
 }

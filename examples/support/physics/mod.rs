@@ -1,21 +1,26 @@
 //! Rigid bodies on morphing surfaces: scenes shared by examples and tests, and the methods that make a surface collide.
 
+pub mod behaviour;
+pub mod bullets;
 pub mod drops;
+pub mod player;
 mod rivals;
 pub mod times;
 
 use std::f32::consts::TAU;
 use std::path::Path;
+use std::time::Duration;
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 
-pub use rivals::{Method, Surface, blend};
+pub use rivals::{Kinematic, Method, Surface, blend};
 
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;
@@ -27,12 +32,23 @@ pub fn app(assets: &Path) -> App {
 
 /// The same app with another plugin.
 pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
+    app_in_unit(assets, 1.0, plugin)
+}
+
+/// The same app in a world with another unit of length. Gravity follows.
+pub fn app_in_unit(assets: &Path, unit: f32, plugin: impl Plugin) -> App {
+    app_with_steps(assets, unit, DT, plugin)
+}
+
+/// The same app with steps of another length, one per frame.
+fn app_with_steps(assets: &Path, unit: f32, dt: f32, plugin: impl Plugin) -> App {
     let mut app = crate::app::headless(assets);
     app.add_plugins((
-        RapierPhysicsPlugin::<NoUserData>::default(),
+        RapierPhysicsPlugin::<NoUserData>::default().with_length_unit(unit),
         MorphRapierPlugin::default(),
     ))
-    .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
+    .insert_resource(TimestepMode::Fixed { dt, substeps: 1 })
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(dt)))
     .add_plugins(plugin);
     crate::app::ready(&mut app);
     app

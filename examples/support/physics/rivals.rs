@@ -1,6 +1,7 @@
 //! This plugin, and what a game can do without it to make a morphing mesh collide in Rapier.
 
 use std::borrow::Cow;
+use std::path::Path;
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
@@ -9,7 +10,9 @@ use bevy_rapier3d::plugin::context::RapierContextColliders;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 
-use super::bevy_mesh;
+use super::behaviour::{Engine, PoseSurface};
+use super::drops::Kind;
+use super::{app_with_steps, bevy_mesh, body, state};
 
 /// A way to make a morphing mesh collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +58,94 @@ impl Method {
             Self::NewMesh => "new `TriMesh`",
             Self::SoftBody => "pinned soft body",
         }
+    }
+}
+
+impl Engine for Method {
+    fn app(&self, unit: f32, dt: f32) -> App {
+        app_with_steps(Path::new("."), unit, dt, |_: &mut App| {})
+    }
+
+    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
+        let mut surface = Surface::spawn(app, *self, mesh, Vec3::ZERO, &mut None);
+        Box::new(move |app, weights| surface.pose(app, weights))
+    }
+
+    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
+        let collider = match kind {
+            Kind::Ball => Collider::ball(half),
+            _ => Collider::cuboid(half, half, half),
+        };
+        body(app, collider, at)
+    }
+
+    fn make_slippery(&self, app: &mut App, body: Entity) {
+        let friction = Friction {
+            coefficient: 0.0,
+            combine_rule: CoefficientCombineRule::Min,
+        };
+        app.world_mut().entity_mut(body).insert(friction);
+    }
+
+    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
+        app.world_mut().entity_mut(body).insert(Velocity::linear(velocity));
+    }
+
+    fn set_ccd(&self, app: &mut App, body: Entity, on: bool) {
+        app.world_mut().entity_mut(body).insert(Ccd { enabled: on });
+    }
+
+    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3) {
+        state(app, body)
+    }
+}
+
+/// A plain mesh on a kinematic body, which follows the first weight: what Rapier does for a surface that only moves.
+#[derive(Clone, Copy, Debug)]
+pub struct Kinematic;
+
+impl Engine for Kinematic {
+    fn app(&self, unit: f32, dt: f32) -> App {
+        Engine::app(&Method::NewMesh, unit, dt)
+    }
+
+    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
+        let collider = Collider::trimesh(mesh.positions.clone(), mesh.triangles.clone());
+        let body = (
+            RigidBody::KinematicPositionBased,
+            Sleeping::disabled(),
+            Transform::default(),
+        );
+        let mut entity = app.world_mut().spawn(body);
+        if let Ok(collider) = collider {
+            entity.insert(collider);
+        }
+        let (entity, way) = (entity.id(), mesh.targets[0][0]);
+        Box::new(move |app, weights| {
+            if let Some(mut place) = app.world_mut().get_mut::<Transform>(entity) {
+                place.translation = way * weights[0];
+            }
+        })
+    }
+
+    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
+        Engine::body(&Method::NewMesh, app, kind, half, at)
+    }
+
+    fn make_slippery(&self, app: &mut App, body: Entity) {
+        Method::NewMesh.make_slippery(app, body);
+    }
+
+    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
+        Method::NewMesh.push(app, body, velocity);
+    }
+
+    fn set_ccd(&self, app: &mut App, body: Entity, on: bool) {
+        Method::NewMesh.set_ccd(app, body, on);
+    }
+
+    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3) {
+        Engine::state(&Method::NewMesh, app, body)
     }
 }
 

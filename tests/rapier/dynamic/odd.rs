@@ -1,12 +1,13 @@
 //! Bodies other than a plain slab.
 
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_workspace::physics::{DT, bevy_mesh, settle};
+use morph_collision_workspace::physics::{DT, bevy_mesh, body, settle};
 
 use super::{HALF, floating, grounded, mass_of, spawn_on, thing};
-use crate::support::{app, diagnostics, place, population, run, set_weights, slab, spawn, velocity};
+use crate::support::{app, diagnostics, place, population, run, set_weights, slab, slab_cut, spawn, velocity};
 
 /// Raises the upper side by `speed` for some frames.
 fn rise(app: &mut App, surface: Entity, frames: usize, speed: f32) {
@@ -345,4 +346,59 @@ fn a_body_jumps_off_the_ground_with_its_own_leg() {
     let speed = velocity(&app, body).y;
     println!("{speed} {}", place(&app, body));
     assert!((speed - 3.0).abs() < 0.3, "{speed}");
+}
+
+#[test]
+fn a_body_that_slept_before_its_surface_came_falls_and_holds() {
+    let mut app = app();
+    app.world_mut()
+        .spawn((Collider::cuboid(5.0, 0.5, 5.0), Transform::from_xyz(0.0, -0.5, 0.0)));
+    let above = Transform::from_xyz(0.0, HALF.y + 0.1, 0.0);
+    let early = app
+        .world_mut()
+        .spawn((RigidBody::Dynamic, above, Velocity::default()))
+        .id();
+    // As long as a model loads.
+    run(&mut app, 150);
+    let surface = spawn(&mut app, &slab_cut(HALF, 2), ());
+    let parts = app.world_mut().entity_mut(surface).take::<(Mesh3d, MeshMorphWeights)>();
+    app.world_mut()
+        .entity_mut(early)
+        .insert((parts.unwrap(), MorphRapierCollider::default()));
+    app.world_mut().despawn(surface);
+    settle(&mut app);
+    run(&mut app, 60);
+    let height = place(&app, early).y;
+    assert!((height - HALF.y).abs() < 1e-2, "it stays at {height}");
+    let ball = body(&mut app, Collider::ball(0.2), Vec3::new(0.1, 2.0 * HALF.y + 0.25, 0.05));
+    run(&mut app, 60);
+    let height = place(&app, ball).y;
+    assert!((height - 2.0 * HALF.y - 0.2).abs() < 1e-2, "the ball is at {height}");
+}
+
+#[test]
+fn a_slab_whose_sides_stand_straight_on_the_ground_stays_where_it_is() {
+    for locked in [
+        LockedAxes::ROTATION_LOCKED,
+        LockedAxes::ROTATION_LOCKED | LockedAxes::TRANSLATION_LOCKED_X,
+    ] {
+        let mut app = app();
+        app.world_mut()
+            .spawn((Collider::cuboid(5.0, 0.5, 5.0), Transform::from_xyz(0.0, -0.5, 0.0)));
+        let above = Transform::from_xyz(0.0, HALF.y + 0.01, 0.0);
+        let surface = spawn(
+            &mut app,
+            &slab(HALF),
+            (RigidBody::Dynamic, above, Velocity::default(), locked),
+        );
+        settle(&mut app);
+        let ball = body(&mut app, Collider::ball(0.2), Vec3::new(0.1, 2.0 * HALF.y + 0.25, 0.05));
+        // It touches the ground exactly, and falls asleep.
+        run(&mut app, 60);
+        rise(&mut app, surface, 60, 0.5);
+        let at = place(&app, surface);
+        assert!(at.distance(Vec3::Y * HALF.y) < 5e-3, "{locked:?}: {at}");
+        let speed = velocity(&app, ball).y;
+        assert!((speed - 0.5).abs() < 0.01, "{locked:?}: {speed}");
+    }
 }

@@ -2,25 +2,21 @@
 //! file.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use bevy::gltf::Gltf;
 use bevy::math::DVec3;
-use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy::world_serialization::WorldInstanceReady;
+use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices};
-use morph_collision_workspace::app::{load_gltf, update_until};
-use morph_collision_workspace::physics::{self, DT, body, settle};
+use morph_collision_workspace::physics::player::Player;
+use morph_collision_workspace::physics::{self, DT, body};
 
 use crate::log::run_here;
-use crate::support::{diagnostics, global, place, population, run, velocity};
+use crate::support::{diagnostics, place, population, run, velocity};
 
 /// A model from outside the repository, if that folder is there.
 fn character() -> Option<PathBuf> {
@@ -35,77 +31,34 @@ fn character() -> Option<PathBuf> {
 /// A character, 1.7 high, that plays a clip.
 struct Stage {
     app: App,
-    mesh: MorphMesh,
-    surface: Entity,
-    joints: Vec<Entity>,
+    player: Player,
 }
 
 impl Stage {
     /// `None` if the model is missing.
     fn new(clip: &str) -> Option<Self> {
+        Self::in_unit(clip, 1.0)
+    }
+
+    /// The same in a world of another length unit.
+    fn in_unit(clip: &str, unit: f32) -> Option<Self> {
         let file = character()?;
-        let mesh = read_meshes(&file).expect("the model can be read").swap_remove(0);
-        let mut app = physics::app(file.parent().unwrap());
+        let mut app = physics::app_in_unit(file.parent().unwrap(), unit, |_: &mut App| {});
         run_here(&mut app);
-        let gltf = load_gltf(&mut app, &file).expect("the model can be loaded");
-        let (scene, clip) = {
-            let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap();
-            (gltf.scenes[0].clone(), gltf.named_animations[clip].clone())
-        };
-        #[derive(Resource, Default)]
-        struct Ready(bool);
-        app.init_resource::<Ready>();
-        app.world_mut()
-            .add_observer(|_: On<WorldInstanceReady>, mut ready: ResMut<Ready>| ready.0 = true);
-        let size = Transform::from_scale(Vec3::splat(0.1));
-        app.world_mut()
-            .spawn((WorldAssetRoot(scene), Visibility::default(), size));
-        update_until(&mut app, &file, |world| Ok(world.resource::<Ready>().0)).expect("the scene is spawned");
-        let world = app.world_mut();
-        let mut skinned = world.query::<(Entity, &SkinnedMesh)>();
-        let (surface, skin) = skinned.single(world).expect("there is one skinned mesh");
-        let joints = skin.joints.clone();
-        world.entity_mut(surface).insert(MorphRapierCollider::default());
-        let (graph, node) = AnimationGraph::from_clip(clip);
-        let graph = world.resource_mut::<Assets<AnimationGraph>>().add(graph);
-        let mut players = world.query_filtered::<Entity, With<AnimationPlayer>>();
-        let players: Vec<Entity> = players.iter(world).collect();
-        for &player in &players {
-            world.entity_mut(player).insert(AnimationGraphHandle(graph.clone()));
-        }
-        settle(&mut app);
-        for &player in &players {
-            let mut player = app.world_mut().get_mut::<AnimationPlayer>(player).unwrap();
-            player.play(node).repeat();
-        }
+        let collider = MorphRapierCollider::default();
+        let player = Player::spawn(&mut app, &file, clip, 0.1 * unit, collider).expect("the model can be loaded");
         run(&mut app, 5);
-        Some(Self {
-            app,
-            mesh,
-            surface,
-            joints,
-        })
+        Some(Self { app, player })
     }
 
     /// The current positions of its vertices, in the file's order.
     fn vertices(&self) -> Vec<DVec3> {
-        let skin = self.mesh.skin.as_ref().unwrap();
-        let weights = vec![0.0; self.mesh.targets.len()];
-        let posed = posed_vertices(&self.mesh.positions, &self.mesh.targets, &weights);
-        let joints: Vec<_> = self.joints.iter().zip(&skin.skeleton.joints).collect();
-        let matrices: Vec<bevy::math::Affine3A> = joints
-            .into_iter()
-            .map(|(&entity, joint)| {
-                let matrix = Mat4::from(global(&self.app, entity).affine()) * joint.inverse_bind;
-                bevy::math::Affine3A::from_mat4(matrix)
-            })
-            .collect();
-        skinned_vertices(&posed, &skin.sets, &matrices)
+        self.player.vertices(&self.app)
     }
 
     fn truth(&self) -> TriMesh {
         let vertices = self.vertices().into_iter().map(DVec3::as_vec3).collect();
-        TriMesh::new(vertices, self.mesh.triangles.clone()).expect("a mesh with triangles")
+        TriMesh::new(vertices, self.player.mesh.triangles.clone()).expect("a mesh with triangles")
     }
 
     fn distance(&self, point: Vec3) -> f32 {
@@ -261,5 +214,42 @@ fn balls_that_fall_on_it_stay_outside_and_only_what_is_near_them_is_there() {
     println!("{touched} times touching, at most {deepest} deep");
     assert!(touched > 10, "{touched}");
     assert!(deepest < 0.5 * radius, "a ball is {deepest} inside");
-    assert!(stage.app.world().get::<MorphRapierCollider>(stage.surface).is_some());
+    assert!(
+        stage
+            .app
+            .world()
+            .get::<MorphRapierCollider>(stage.player.surface)
+            .is_some()
+    );
+}
+
+#[test]
+fn a_plate_on_its_head_stays_there_in_every_unit() {
+    let frame = 1.0 / 30.0;
+    // The file is in decimetres.
+    for unit in [0.01, 1.0, 10.0] {
+        let Some(mut stage) = Stage::in_unit("walk_and_talk", unit) else {
+            return;
+        };
+        let app = &mut stage.app;
+        app.insert_resource(TimestepMode::Fixed { dt: frame, substeps: 1 })
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(frame)));
+        run(app, 5);
+        let half = Vec3::new(0.6, 0.01, 0.6) * unit;
+        let at = stage.player.top(app) + Vec3::Y * 0.012 * unit;
+        let plate = body(app, Collider::cuboid(half.x, half.y, half.z), at);
+        let upright = LockedAxes::ROTATION_LOCKED | LockedAxes::TRANSLATION_LOCKED_X | LockedAxes::TRANSLATION_LOCKED_Z;
+        app.world_mut().entity_mut(plate).insert(upright);
+        let (mut lowest, mut highest) = (f32::MAX, f32::MIN);
+        for _ in 0..90 {
+            run(app, 1);
+            let gap = (place(app, plate).y - half.y - stage.player.top(app).y) / unit;
+            (lowest, highest) = (lowest.min(gap), highest.max(gap));
+        }
+        println!("unit {unit}: gap from {lowest} to {highest}");
+        assert!(
+            lowest > -0.01 && highest < 0.02,
+            "unit {unit}: gap from {lowest} to {highest}"
+        );
+    }
 }

@@ -3,11 +3,17 @@
 //! - `steady`: surfaces with steady motion push at their speed, in every step.
 //! - `gltf`: the same with an animation player.
 //! - `sudden`: jumps, long frames, pauses, teleports.
+//! - `pauses`: time that stands still.
+//! - `flow`: few steps, many steps, time that is set back.
+//! - `teleports`: what the game puts elsewhere.
 //! - `walking`: characters.
 
+mod flow;
 mod gltf;
+mod pauses;
 mod steady;
 mod sudden;
+mod teleports;
 mod walking;
 
 use std::path::Path;
@@ -31,6 +37,10 @@ enum Steps {
     Fixed(f64),
     /// In `PostUpdate`, 60 times a second, with bodies drawn in between.
     Interpolated,
+    /// In `PostUpdate`, one step as long as the frame.
+    Variable,
+    /// In `PostUpdate`, one step of 1/60 s in each frame, however long the frame is.
+    PerFrame,
 }
 
 /// The length of frames, in seconds.
@@ -41,7 +51,15 @@ enum Frames {
     Between(f64, f64),
 }
 
+/// Those in which steps and frames come at different times.
 const STEPS: [Steps; 3] = [Steps::Fixed(64.0), Steps::Fixed(60.0), Steps::Interpolated];
+/// Every kind.
+const EVERY: [Steps; 4] = [
+    Steps::Fixed(64.0),
+    Steps::Interpolated,
+    Steps::Variable,
+    Steps::PerFrame,
+];
 const FRAMES: [Frames; 7] = [
     Frames::Every(1.0 / 144.0),
     Frames::Every(1.0 / 60.0),
@@ -67,13 +85,23 @@ fn app(assets: &Path, steps: Steps) -> App {
                 .insert_resource(Time::<Fixed>::from_hz(rate))
                 .add_systems(FixedUpdate, watch.after(PhysicsSet::Writeback));
         }
-        Steps::Interpolated => {
-            app.add_plugins((rapier, MorphRapierPlugin::default()))
-                .insert_resource(TimestepMode::Interpolated {
-                    dt: 1.0 / 60.0,
+        _ => {
+            let dt = 1.0 / 60.0;
+            let mode = match steps {
+                Steps::PerFrame => TimestepMode::Fixed { dt, substeps: 1 },
+                Steps::Variable => TimestepMode::Variable {
+                    max_dt: 0.1,
                     time_scale: 1.0,
                     substeps: 1,
-                })
+                },
+                _ => TimestepMode::Interpolated {
+                    dt,
+                    time_scale: 1.0,
+                    substeps: 1,
+                },
+            };
+            app.add_plugins((rapier, MorphRapierPlugin::default()))
+                .insert_resource(mode)
                 .add_systems(PostUpdate, watch.after(PhysicsSet::Writeback));
         }
     }

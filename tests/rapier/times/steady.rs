@@ -141,3 +141,31 @@ fn an_entity_that_is_moved_once_a_frame_carries() {
         }
     }
 }
+
+#[test]
+fn what_is_below_a_moved_parent_is_where_it_is_drawn() {
+    // Other plugins place hierarchies after physics.
+    let kinds = [None, Some(RigidBody::KinematicPositionBased)];
+    for kind in kinds {
+        let mut app = app(Path::new("."), Steps::PerFrame);
+        let root = app
+            .world_mut()
+            .spawn((Transform::default(), Visibility::default()))
+            .id();
+        if let Some(kind) = kind {
+            app.world_mut().entity_mut(root).insert((kind, Sleeping::disabled()));
+        }
+        spawn(&mut app, &sheet(16), ChildOf(root));
+        settle(&mut app);
+        let ball = body(&mut app, Collider::ball(0.5), Vec3::new(0.1, 0.5, 0.05));
+        frames(&mut app, FRAMES[1], 60);
+        app.add_systems(Update, move |mut places: Query<&mut Transform>| {
+            places.get_mut(root).unwrap().translation.y += 0.5 / 60.0;
+        });
+        frames(&mut app, FRAMES[1], 60);
+        let drawn = app.world().get::<Transform>(root).unwrap().translation.y;
+        assert!((drawn - 0.5).abs() < 1e-4, "{kind:?}: it was put back to {drawn}");
+        let gap = place(&app, ball).y - 0.5 - drawn;
+        assert!(gap.abs() < 1e-3, "{kind:?}: {gap} off");
+    }
+}

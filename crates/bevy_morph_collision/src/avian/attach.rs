@@ -18,6 +18,7 @@ use crate::collider::MorphCollider;
 use crate::import::{MorphTreeSettings, MorphTrees};
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayouts;
+use crate::physics::teleport::PhysicsSurface;
 use crate::shape::MorphShape;
 use crate::weights::take_weights;
 
@@ -35,6 +36,12 @@ pub(crate) struct AvianSurface {
     pub(super) bad_place: Option<String>,
     /// Whether the log already says that it should be closed but is not.
     pub(super) told_open: bool,
+}
+
+impl PhysicsSurface for AvianSurface {
+    fn following(&mut self) -> &mut Following {
+        &mut self.following
+    }
 }
 
 /// The components that decide whether an entity has a surface, and which.

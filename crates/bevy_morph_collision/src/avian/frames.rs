@@ -12,7 +12,7 @@ use crate::weights::drawn_weights;
 
 /// Records a frame at its end.
 pub(super) fn record_frame(
-    mut surfaces: Query<(&MorphAvianCollider, &mut AvianSurface, Shows)>,
+    mut surfaces: Query<(&mut AvianSurface, Shows), With<MorphAvianCollider>>,
     shared: Query<&MorphWeights>,
     globals: Query<&GlobalTransform>,
     bind_poses: Option<Res<BindPoses>>,
@@ -24,13 +24,12 @@ pub(super) fn record_frame(
     let now = fixed.elapsed_secs_f64() + fixed.overstep().as_secs_f64();
     stepping.lag.frame(now);
     skeletons.begin();
-    for (settings, mut surface, (place, weights, skin)) in &mut surfaces {
+    for (mut surface, (place, weights, skin)) in &mut surfaces {
         let following = &mut surface.following;
         let skin = skin.filter(|_| following.is_skinned());
-        let drawn = &mut following.drawn;
+        let drawn = &following.drawn;
         let live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-        let count = following.before.pose.weights().len();
-        drawn.record(now, &live, count, (weights, &shared), settings.max_acceleration);
+        following.record(now, &live, (weights, &shared));
     }
 }
 
@@ -46,5 +45,36 @@ pub(super) fn after_steps(
         if let Ok(weights) = drawn_weights(count, weights, &shared, &mut rest) {
             following.drawn.weights.after_steps(&weights.to_vec());
         }
+    }
+}
+
+/// Runs before every step that is due. If the clock was set, it does not say how long changes took: they are no motion.
+pub(super) fn watch_clock(mut surfaces: Query<&mut AvianSurface>, time: Res<Time>, mut stepping: ResMut<Stepping>) {
+    if stepping.watch.was_set(&time) {
+        for mut surface in &mut surfaces {
+            surface.following.drawn.pause();
+        }
+    }
+}
+
+/// Runs after every step that is due. While Avian pauses, there is none, and what changes is no motion.
+pub(super) fn rest(
+    mut surfaces: Query<(&mut AvianSurface, Shows)>,
+    shared: Query<&MorphWeights>,
+    globals: Query<&GlobalTransform>,
+    bind_poses: Option<Res<BindPoses>>,
+    mut skeletons: Local<Skeletons>,
+    mut stepping: ResMut<Stepping>,
+) {
+    if std::mem::take(&mut stepping.has_stepped) {
+        return;
+    }
+    skeletons.begin();
+    for (mut surface, (place, weights, skin)) in &mut surfaces {
+        let following = &mut surface.following;
+        let skin = skin.filter(|_| following.is_skinned());
+        let drawn = &following.drawn;
+        let live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+        following.rest(&live, (weights, &shared));
     }
 }

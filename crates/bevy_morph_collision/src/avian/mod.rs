@@ -8,12 +8,14 @@
 //! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
 //! - `frames`: remembers the poses with which surfaces are drawn.
 //! - `step`: the systems around Avian's step.
+//! - `carry`: carries characters. `velocity`: velocities of surfaces, as a public system parameter.
 //! - `contacts`: turns contacts with parts into contacts with the surface.
 //!
 //! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
 
 mod ahead;
 mod attach;
+mod carry;
 mod contacts;
 mod frames;
 mod movers;
@@ -22,21 +24,27 @@ mod push;
 mod scene;
 mod shape;
 mod step;
+mod velocity;
 
-use avian3d::prelude::{NarrowPhaseSystems, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
+use avian3d::prelude::{NarrowPhaseSystems, PhysicsLengthUnit, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use tracing::error;
 
+pub use carry::{MorphAvianCarry, MorphAvianGround};
 pub use part::MorphAvianPart;
 pub use scene::MorphAvianScene;
 pub use step::MorphAvianDiagnostics;
+pub use velocity::MorphAvianVelocity;
 
-use crate::changes::is_fixed;
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
+use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
+use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
@@ -51,6 +59,7 @@ use crate::plugins::missing;
 /// - On a dynamic body it is the body's shape. In each step it collides with its shape at that time, and its morphing moves
 ///   others only by pushing them out of itself.
 /// - With a `Sensor` it reports what it touches, and pushes nothing.
+/// - A character that your game moves, for example with `MoveAndSlide`, is carried by it if it has a [`MorphAvianCarry`].
 ///
 /// Like `Collider::trimesh`, it is a surface without an inside, unless it is [`solid`](Self::solid).
 ///
@@ -66,15 +75,18 @@ use crate::plugins::missing;
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphAvianCollider {
-    /// The highest plausible acceleration of the surface, in world units per second squared. If the surface's velocity changes
-    /// faster, it may have jumped (teleported) instead of moved. Such a change counts as motion only when the next step confirms
-    /// it; until then it does not throw anything. The default is 100, ten times the acceleration of a fall.
+    /// The highest plausible acceleration of the surface, in length units per second squared: like Avian's own parameters, it is
+    /// multiplied by `PhysicsLengthUnit`. If the surface's velocity changes faster, it may have jumped (teleported) instead of moved.
+    /// Such a change counts as motion only when the next step confirms it; until then it does not throw anything. The default is
+    /// 100, ten times the acceleration of a fall.
+    ///
+    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::MorphTeleported).
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///
     /// - Contacts only push outward. Unless the surface is on a dynamic body, a body that is inside anyway is driven out, at no
-    ///   more than the speed at which Avian separates bodies (`SolverConfig::max_overlap_solve_speed`, 4 units per second, and
-    ///   never more than 10 length units), and leaves at a third of that. A sleeping body wakes up. Between two solid surfaces
+    ///   more than the speed at which Avian separates bodies (`SolverConfig::max_overlap_solve_speed`, 4 length units per second,
+    ///   and never more than 10), and leaves at a third of that. A sleeping body wakes up. Between two solid surfaces
     ///   that overlap, a body may be driven from one into the other.
     /// - Point queries and `solid` rays of `SpatialQuery` find the inside. Sensors and shape intersections do not, because Avian
     ///   computes them from the triangles only.
@@ -99,7 +111,7 @@ impl Default for MorphAvianCollider {
 
 /// Lets rigid bodies of `avian3d` collide with every [`MorphAvianCollider`].
 ///
-/// Add it after `PhysicsPlugins`, together with [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
+/// Add it together with `PhysicsPlugins`, in any order, and [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -113,24 +125,21 @@ impl Default for MorphAvianCollider {
 /// commands.spawn((RigidBody::Dynamic, Collider::sphere(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
 /// # }
 /// ```
-#[derive(Clone, Copy, Debug)]
+///
+/// It runs in the schedule in which Avian steps, whichever that is.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MorphAvianPlugin {
-    schedule: InternedScheduleLabel,
+    schedule: Option<InternedScheduleLabel>,
 }
 
 impl MorphAvianPlugin {
-    /// Use this if `PhysicsPlugins` runs in another schedule than [`FixedPostUpdate`].
+    /// Names the schedule in which Avian steps. You only need this if the plugin cannot find it, because your game
+    /// runs Avian itself after all plugins are there, or to several schedules.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
-            schedule: schedule.intern(),
+            schedule: Some(schedule.intern()),
         }
-    }
-}
-
-impl Default for MorphAvianPlugin {
-    fn default() -> Self {
-        Self::new(FixedPostUpdate)
     }
 }
 
@@ -149,44 +158,84 @@ pub enum MorphAvianSystems {
 
 impl Plugin for MorphAvianPlugin {
     fn build(&self, app: &mut App) {
-        build(app, self.schedule);
+        // If Avian is there. Otherwise in `finish`, when all plugins are.
+        if is_there(app) && !schedules_with(app, PhysicsSystems::StepSimulation).is_empty() {
+            self.install(app);
+        }
     }
 
     fn finish(&self, app: &mut App) {
+        if is_there(app) && !app.world().contains_resource::<Settled>() {
+            self.install(app);
+        }
         check(app);
     }
 }
 
-fn check(app: &mut App) {
-    let world = app.world();
-    if !world.contains_resource::<MorphCollisions>() {
-        missing(
-            app,
-            "MorphAvianPlugin does nothing without MorphCollisionPlugin, which builds its trees",
-        );
+impl MorphAvianPlugin {
+    fn install(self, app: &mut App) {
+        app.init_resource::<Settled>();
+        let found = schedules_with(app, PhysicsSystems::StepSimulation);
+        let schedule = choose(&found, self.schedule, ["MorphAvianPlugin", "PhysicsPlugins"]);
+        if let Some(schedule) = schedule {
+            build(app, schedule);
+        } else if found.is_empty() {
+            error!(
+                "MorphAvianPlugin does nothing, because no schedule has a system in Avian's `PhysicsSystems::StepSimulation`: name the \
+                 schedule in which you run Avian's `PhysicsSchedule`, for example MorphAvianPlugin::new(FixedUpdate)"
+            );
+        }
     }
-    if !is_there(app) {
-        missing(
-            app,
-            "MorphAvianPlugin does nothing without PhysicsPlugins, which must be added before it",
-        );
-    } else if !app.world().contains_resource::<step::Stepping>() {
-        tracing::error!("MorphAvianPlugin does nothing: PhysicsPlugins must be added before it");
-    }
-    layout::add_to_trees(app);
 }
+
+/// Whether the plugin has found Avian's schedule, or has logged what is missing.
+#[derive(Resource, Default)]
+pub(crate) struct Settled;
 
 /// Whether Avian is in the app.
 fn is_there(app: &App) -> bool {
     app.get_schedule(PhysicsSchedule).is_some()
 }
 
-fn build(app: &mut App, schedule: InternedScheduleLabel) {
-    if !is_there(app) {
-        // Logged in `finish`, when it is certain that the other plugin is missing.
-        return;
+fn check(app: &mut App) {
+    if !app.world().contains_resource::<MorphCollisions>() {
+        missing(
+            app,
+            "MorphAvianPlugin does nothing without MorphCollisionPlugin, which builds its trees",
+        );
     }
-    let is_fixed = is_fixed(schedule);
+    if !is_there(app)
+        && missing(
+            app,
+            "MorphAvianPlugin does nothing without PhysicsPlugins: add PhysicsPlugins to the app",
+        )
+    {
+        app.init_resource::<Settled>();
+    }
+    layout::add_to_trees(app);
+}
+
+/// What an app lacks, so that components for Avian have no effect.
+#[derive(SystemParam)]
+pub(crate) struct Lacking<'w> {
+    engine: Option<Res<'w, PhysicsLengthUnit>>,
+    settled: Option<Res<'w, Settled>>,
+}
+
+impl Lacking<'_> {
+    /// How to add the plugin that is missing. `None` if there is none, or if the log says so already.
+    pub(crate) fn remedy(&self) -> Option<&'static str> {
+        match (&self.settled, &self.engine) {
+            (Some(_), _) => None,
+            (None, Some(_)) => Some("app.add_plugins(MorphAvianPlugin::default())"),
+            (None, None) => Some("app.add_plugins(PhysicsPlugins::default())"),
+        }
+    }
+}
+
+fn build(app: &mut App, schedule: InternedScheduleLabel) {
+    let is_fixed = runs_fixed(app, schedule);
+    follow_fixed_loop(app);
     // Now, or later if the other plugin is added after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
@@ -194,9 +243,13 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .register_type::<MorphAvianScene>()
         .register_type::<MorphAvianPart>()
         .register_type::<MorphAvianDiagnostics>()
+        .register_type::<MorphAvianCarry>()
+        .register_type::<MorphAvianGround>()
+        .init_resource::<carry::Footing>()
         .init_resource::<MorphAvianDiagnostics>()
         .insert_resource(step::Stepping::new(is_fixed))
         .add_observer(attach::detach_surface)
+        .add_observer(put_elsewhere::<attach::AvianSurface>)
         .add_observer(contacts::take_parts_along)
         .configure_sets(
             schedule,
@@ -215,9 +268,25 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         )
         .add_systems(
             schedule,
-            (give_to_parts::<MorphAvianScene>, attach::attach_surfaces)
+            (
+                give_to_parts::<MorphAvianScene>,
+                attach::attach_surfaces,
+                frames::watch_clock,
+            )
                 .chain()
                 .in_set(MorphAvianSystems::Attach),
+        )
+        .add_systems(
+            schedule,
+            (
+                carry::find_ground
+                    .after(PhysicsSystems::Prepare)
+                    .before(PhysicsSystems::StepSimulation),
+                (carry::carry, frames::rest)
+                    .chain()
+                    .after(PhysicsSystems::StepSimulation)
+                    .before(PhysicsSystems::Writeback),
+            ),
         )
         // Avian rejects schedules whose systems have an ambiguous order. A game's own systems may be anywhere.
         .add_systems(
@@ -244,12 +313,13 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .ambiguous_with_all(),
             ),
         );
-    if is_fixed {
-        let at_the_end = frames::record_frame
-            .after(AnimationSystems)
-            .after(TransformSystems::Propagate)
-            .before(MorphCollisionSystems::Anchors);
-        app.add_systems(PostUpdate, at_the_end)
-            .add_systems(FixedLast, frames::after_steps);
+    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(MorphCollisionSystems::Anchors);
+    if is_fixed != Some(false) {
+        app.add_systems(PostUpdate, at_the_end.run_if(fixed))
+            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
     }
 }

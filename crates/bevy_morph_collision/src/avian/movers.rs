@@ -1,9 +1,9 @@
 //! The colliders that may touch a surface during a step.
 
 use avian3d::prelude::{
-    AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform, CollidingEntities,
-    CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Gravity, GravityScale,
-    LinearVelocity, Position, RigidBody, RigidBodyDisabled, Rotation, Sensor, Sleeping,
+    ActiveCollisionHooks, AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform,
+    CollidingEntities, CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Gravity,
+    GravityScale, LinearVelocity, Position, RigidBody, RigidBodyDisabled, Rotation, Sensor, Sleeping,
 };
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
@@ -17,6 +17,7 @@ use super::step::Stepping;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::physics::expel::Guest;
 use crate::physics::near::Visitor;
+use crate::physics::passage::Flight;
 use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
 
@@ -31,6 +32,8 @@ pub(super) struct Mover {
     /// Whether it needs to know what it touches.
     pub(super) listens: bool,
     pub(super) velocity: Vec3,
+    /// How it moves, if surfaces push it, it is convex, and collision hooks do not decide what it touches.
+    pub(super) flight: Option<Flight>,
     /// Set if surfaces push it and one of them is solid: the collider as a solid surface sees it.
     pub(super) guest: Option<Guest>,
 }
@@ -69,6 +72,7 @@ pub(super) fn find_movers(
             Option<&CollisionMargin>,
             (Has<Sensor>, Has<AvianSurface>),
             (Has<CollisionEventsEnabled>, Has<CollidingEntities>),
+            Has<ActiveCollisionHooks>,
         ),
         (Without<ColliderDisabled>, Without<MorphAvianPart>),
     >,
@@ -103,7 +107,7 @@ pub(super) fn find_movers(
     let dt = time.delta_secs();
     let any_solid = surfaces.iter().any(|surface| surface.solid);
     let mut refused = HashSet::default();
-    for (entity, collider, own_place, (of, in_body), layers, margin, (sensor, surface), listens) in &colliders {
+    for (entity, collider, own_place, (of, in_body), layers, margin, (sensor, surface), listens, hooked) in &colliders {
         let body = of.and_then(|of| bodies.get(of.body).ok().map(|state| (of.body, state)));
         let is_dynamic = body.is_some_and(|(_, state)| *state.0 == RigidBody::Dynamic);
         let disabled = body.is_some_and(|(_, state)| state.8);
@@ -116,7 +120,7 @@ pub(super) fn find_movers(
         let shape = collider.shape_scaled();
         let place = |position: &Position, rotation: &Rotation| Place::from_parts(position.0, rotation.0);
         let mut asleep = false;
-        let (mut way, mut velocity) = (Vec3::ZERO, Vec3::ZERO);
+        let (mut way, mut velocity, mut turns) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         let mut stands = place(own_place.0, own_place.1);
         let bounds = match body {
             None => shape.compute_aabb(&stands),
@@ -136,6 +140,8 @@ pub(super) fn find_movers(
                         Vec3::ZERO
                     };
                     way = (linear.0 + falls) * dt;
+                    let radius = now.center().distance(position.0 + rotation.0 * center_of_mass.0);
+                    turns = (angular.0.length() * dt).min(2.0) * (radius + now.half_extents().length());
                     let turned = Quat::from_scaled_axis(angular.0 * dt) * rotation.0;
                     // It rotates about its centre of mass.
                     let aside = rotation.0 * center_of_mass.0 - turned * center_of_mass.0;
@@ -159,6 +165,10 @@ pub(super) fn find_movers(
             }
             continue;
         }
+        let flight = match pushed && !hooked {
+            true => Flight::of(shape.0.as_ref(), &stands, way.length() + turns),
+            false => None,
+        };
         let guest = (any_solid && pushed).then(|| Guest::of(shape.0.as_ref(), &stands, bounds.extents().length()));
         movers.push(Mover {
             visitor: Visitor {
@@ -171,6 +181,7 @@ pub(super) fn find_movers(
             pushed,
             listens: listens.0 || listens.1,
             velocity,
+            flight,
             guest: guest.flatten(),
         });
     }

@@ -17,11 +17,13 @@ use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
 use crate::physics::part::Pace;
+use crate::physics::passage::Passage;
 
 /// The parts with which a surface pushes.
 pub(super) struct Pushing {
     near: Nearby<Entity, Entity, PartBody>,
     expelling: Expelling<Entity>,
+    passage: Passage<Entity, Entity>,
     manners: Option<Manners>,
     // Scratch memory.
     meeting: Vec<u32>,
@@ -54,6 +56,7 @@ impl Pushing {
         Self {
             near: Nearby::new(layout),
             expelling: Expelling::default(),
+            passage: Passage::default(),
             manners: None,
             meeting: Vec::new(),
         }
@@ -94,6 +97,7 @@ impl Pushing {
             return 0;
         }
         self.near.begin(following);
+        self.passage.begin();
         self.expelling.begin(None);
         let bounds = following.bounds();
         let bounds = Aabb::new(bounds.min, bounds.max).loosened(pace.prediction);
@@ -122,6 +126,11 @@ impl Pushing {
         }
         for mover in looking {
             let visitor = &mover.visitor;
+            if bodies.manners.hooks.is_none()
+                && let Some(flight) = &mover.flight
+            {
+                self.passage.watch((visitor.collider, visitor.body), flight, following);
+            }
             self.drive_out(mover, following, pace, around);
             if stays {
                 continue;
@@ -143,6 +152,16 @@ impl Pushing {
             commands.queue_silenced(WakeBody(body));
         }
         blended
+    }
+
+    /// After a step, returns the bodies that have passed through the surface, and how they must be moved back. `end` returns where
+    /// the middle of a collider is now.
+    pub(super) fn hold_back(
+        &mut self,
+        following: &mut Following,
+        end: impl Fn(Entity) -> Option<Vec3>,
+    ) -> Vec<(Entity, Vec3)> {
+        self.passage.hold_back(following, end)
     }
 
     /// Drives a body out of the surface if the surface is solid and the body is inside.
@@ -167,7 +186,7 @@ impl Pushing {
         let Some(exit) = exit else { return };
         // The body's other colliders and other surfaces may drive it too.
         let driven = around.driven.entry(mover.visitor.body).or_default();
-        *driven += exit.change_of(mover.velocity + *driven, following, pace);
+        *driven += exit.change_of(mover.velocity + *driven, following);
     }
 
     fn teach(&mut self, bodies: &mut PartBodies) {

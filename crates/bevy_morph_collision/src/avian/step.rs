@@ -30,8 +30,10 @@ use super::shape::WholeSurface;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
-use crate::physics::clock::Lag;
+use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::part::Pace;
+use crate::physics::passage::middle;
+use crate::physics::schedule::InFixedLoop;
 use crate::skeletons::{BindPoses, Skeletons};
 
 /// Counts of [`MorphAvianCollider`]s in the last physics step.
@@ -62,15 +64,32 @@ pub(crate) struct Stepping {
     pub(super) changed: Vec<(Entity, f32)>,
     /// Bodies inside solid surfaces, with the velocity changes that drive them out.
     driven: EntityHashMap<Vec3>,
+    /// Whether there was a step since physics was last due.
+    pub(super) has_stepped: bool,
     /// Whether physics runs in a fixed schedule.
-    is_fixed: bool,
+    pub(super) is_fixed: bool,
+    /// Whether each step decides that.
+    is_learning: bool,
     /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
+    pub(super) watch: Watch,
 }
 
 impl Stepping {
-    pub(super) fn new(is_fixed: bool) -> Self {
-        Self { is_fixed, ..default() }
+    /// `None` if only the first step will show whether physics runs in a fixed schedule.
+    pub(super) fn new(is_fixed: Option<bool>) -> Self {
+        Self {
+            is_fixed: is_fixed.unwrap_or(false),
+            is_learning: is_fixed.is_none(),
+            ..default()
+        }
+    }
+
+    /// Runs before every step.
+    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
+        if self.is_learning {
+            self.is_fixed = inside.0;
+        }
     }
 }
 
@@ -136,12 +155,14 @@ pub(super) fn before_step(
     mut skeletons: Local<Skeletons>,
     names: Query<NameOrEntity>,
     (config, solver, length_unit): (Res<NarrowPhaseConfig>, Res<SolverConfig>, Res<PhysicsLengthUnit>),
-    (time, fixed): (Res<Time>, Option<Res<Time<Fixed>>>),
+    (time, fixed, inside): (Res<Time>, Option<Res<Time<Fixed>>>, Res<InFixedLoop>),
     mut stepping: ResMut<Stepping>,
     mut diagnostics: ResMut<MorphAvianDiagnostics>,
 ) {
     let start = Instant::now();
     *diagnostics = MorphAvianDiagnostics::default();
+    stepping.has_stepped = true;
+    stepping.learn(&inside);
     if surfaces.is_empty() {
         return;
     }
@@ -160,6 +181,7 @@ pub(super) fn before_step(
     let span = fixed
         .filter(|_| *is_fixed)
         .and_then(|fixed| lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
+    let time = StepTime { dt, span, share: 1.0 };
     skeletons.begin();
     for (entity, settings, mut surface, collider, knows, mannered, shows, disabled) in &mut surfaces {
         let AvianSurface {
@@ -171,6 +193,7 @@ pub(super) fn before_step(
             ..
         } = &mut *surface;
         let (morph_disabled, collider_disabled) = disabled;
+        following.max_acceleration = settings.max_acceleration * length_unit.0;
         let (global, position, rotation, of, in_body) = knows;
         let body = of.and_then(|of| Some((of.body, bodies.get(of.body).ok()?)));
         let mut off = morph_disabled;
@@ -179,15 +202,13 @@ pub(super) fn before_step(
             let is_skinned = following.is_skinned();
             // The collider reports bad joints. The last good ones are used.
             let skin = skin.filter(|_| is_skinned);
-            let mut between_frames = None;
-            if let Some(span) = span {
-                let drawn = &mut following.drawn;
-                let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-                drawn.at_step(&live);
-                // Avian determines where the entity is.
-                drawn.stands_alone = false;
-                between_frames = drawn.joints.at(span.end);
-            }
+            let drawn = &mut following.drawn;
+            // Avian determines where the entity is.
+            drawn.stands_alone = false;
+            drawn.on_body = body.is_some();
+            let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+            drawn.at_step(&live);
+            let between_frames = span.and_then(|span| drawn.joints.at(span.end));
             let joints = skin.and_then(|skin| {
                 let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
                 skeleton.world_from_mesh()
@@ -218,7 +239,7 @@ pub(super) fn before_step(
             let ahead = ahead(global, own, motion, (is_skinned, joints), dt);
             let at = global.translation();
             let name = || name_of(entity);
-            off = !advance(following, (ahead, at), (weights, &shared), (span, dt), bad_place, name);
+            off = !advance(following, (ahead, at), (weights, &shared), time, bad_place, name);
         }
         if off {
             // Movement of the surface while it is off does not count as motion.
@@ -280,7 +301,6 @@ pub(super) fn before_step(
             dt,
             prediction: length_unit.0 * config.contact_tolerance
                 + manners.margin.map_or(0.0, |margin| margin.0.max(0.0)),
-            max_acceleration: settings.max_acceleration,
         };
         let mut around = Around {
             movers,
@@ -316,18 +336,43 @@ pub(super) fn drive_out(
         let Ok((mut velocity, locked)) = bodies.get_mut(body) else {
             continue;
         };
-        let locked = locked.copied().unwrap_or_default();
-        let free = Vec3::new(
-            f32::from(!locked.is_translation_x_locked()),
-            f32::from(!locked.is_translation_y_locked()),
-            f32::from(!locked.is_translation_z_locked()),
-        );
-        velocity.0 += free * change;
+        velocity.0 += free_axes(locked) * change;
         commands.queue_silenced(WakeBody(body));
     }
 }
 
-/// Whole surfaces answer queries again.
-pub(super) fn after_step(stepping: Res<Stepping>) {
+/// After the solver, moves bodies back that have passed through a surface. From then on, whole surfaces answer queries again.
+pub(super) fn after_step(
+    mut surfaces: Query<&mut AvianSurface>,
+    colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>)>,
+    mut bodies: Query<(&mut Position, &Rotation, Option<&LockedAxes>), (With<RigidBody>, Without<MorphAvianPart>)>,
+    stepping: Res<Stepping>,
+) {
+    for mut surface in &mut surfaces {
+        let AvianSurface { following, pushing, .. } = &mut *surface;
+        let end = |entity| {
+            let (collider, of, in_body) = colliders.get(entity).ok()?;
+            let (position, rotation, _) = bodies.get(of.body).ok()?;
+            let in_body = in_body.filter(|_| of.body != entity);
+            let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
+            let place = Place::from_parts(position.0, rotation.0) * in_body;
+            Some(place.transform_point(middle(collider.shape_scaled().0.as_ref())?))
+        };
+        for (body, shift) in pushing.hold_back(following, end) {
+            if let Ok((mut position, _, locked)) = bodies.get_mut(body) {
+                position.0 += free_axes(locked) * shift;
+            }
+        }
+    }
     stepping.now.store(false, Ordering::Release);
+}
+
+/// 1 for each axis along which a body may move, and 0 for the others.
+fn free_axes(locked: Option<&LockedAxes>) -> Vec3 {
+    let locked = locked.copied().unwrap_or_default();
+    Vec3::new(
+        f32::from(!locked.is_translation_x_locked()),
+        f32::from(!locked.is_translation_y_locked()),
+        f32::from(!locked.is_translation_z_locked()),
+    )
 }

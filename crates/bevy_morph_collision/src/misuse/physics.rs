@@ -1,4 +1,4 @@
-//! Components of physics engines that the app does not have.
+//! Components for physics engines that the app does not have.
 
 use bevy::prelude::*;
 
@@ -35,29 +35,30 @@ pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'stat
     None
 }
 
-/// Warns of components whose physics engine is missing.
+/// Warns of components for a physics engine that the app, or this crate's plugin for it, lacks.
 #[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
 pub(super) fn look(subject: &SubjectItem, around: &Around, told: &mut Told) -> Look {
     #[cfg(feature = "rapier")]
-    if around.rapier.is_none() {
-        let plugins = "`RapierPhysicsPlugin` and, after it, `MorphPlugins` or `MorphRapierPlugin`";
-        warn_of(
-            subject.rapier,
-            ["MorphRapierCollider", "MorphRapierScene"],
-            plugins,
-            told,
-        );
+    if let Some(remedy) = around.rapier.remedy() {
+        let components = ["MorphRapierCollider", "MorphRapierScene"];
+        warn_of(subject.rapier, components, remedy, (subject, around), told);
     }
     #[cfg(feature = "avian")]
-    if around.avian.is_none() {
-        let plugins = "Avian's `PhysicsPlugins` and, after them, `MorphPlugins` or `MorphAvianPlugin`";
-        warn_of(subject.avian, ["MorphAvianCollider", "MorphAvianScene"], plugins, told);
+    if let Some(remedy) = around.avian.remedy() {
+        let components = ["MorphAvianCollider", "MorphAvianScene"];
+        warn_of(subject.avian, components, remedy, (subject, around), told);
     }
     Look::Done
 }
 
 #[cfg(any(feature = "rapier", feature = "avian"))]
-fn warn_of((collider, scene): (bool, bool), names: [&'static str; 2], plugins: &str, told: &mut Told) {
+fn warn_of(
+    (collider, scene): (bool, bool),
+    names: [&'static str; 2],
+    remedy: &str,
+    (subject, around): (&SubjectItem, &Around),
+    told: &mut Told,
+) {
     let component = match (collider, scene) {
         (_, true) => names[1],
         (true, false) => names[0],
@@ -65,6 +66,7 @@ fn warn_of((collider, scene): (bool, bool), names: [&'static str; 2], plugins: &
     };
     // The app lacks it, whichever entity shows that first.
     told.warn(names[0], String::new(), || {
-        format!("`{component}` has no effect: its physics engine is missing. Add {plugins} to the app")
+        let name = around.name(subject.entity);
+        format!("`{component}` has no effect on entity {name}, because its physics engine is missing: write {remedy}")
     });
 }

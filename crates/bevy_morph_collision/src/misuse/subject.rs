@@ -59,9 +59,9 @@ pub(super) struct Around<'w, 's> {
     pub(super) trees: Res<'w, MorphTrees>,
     pub(super) settings: Res<'w, MorphCollisionSettings>,
     #[cfg(feature = "rapier")]
-    pub(super) rapier: Option<Res<'w, crate::MorphRapierDiagnostics>>,
+    pub(super) rapier: crate::rapier::Lacking<'w>,
     #[cfg(feature = "avian")]
-    pub(super) avian: Option<Res<'w, crate::MorphAvianDiagnostics>>,
+    pub(super) avian: crate::avian::Lacking<'w>,
 }
 
 impl Around<'_, '_> {

@@ -6,7 +6,7 @@ use morph_collision::InputError;
 use tracing::{error, warn};
 
 use super::ahead::Ahead;
-use super::clock::Span;
+use super::clock::StepTime;
 use super::follow::Following;
 use super::inside::not_closed;
 use super::range::{MAX_COORDINATE, box_in_range, in_range};
@@ -18,13 +18,13 @@ pub(crate) fn advance(
     following: &mut Following,
     (ahead, at): (Result<Ahead, InputError>, Vec3),
     (weights, shared): (Option<&MeshMorphWeights>, &Query<&MorphWeights>),
-    (span, dt): (Option<Span>, f32),
+    time: StepTime,
     problem: &mut Option<String>,
     name: impl Fn() -> String,
 ) -> bool {
     let found = match ahead {
         Ok(ahead) => {
-            if let Err(complaint) = following.advance(weights, shared, ahead, span, dt) {
+            if let Err(complaint) = following.advance(weights, shared, ahead, time) {
                 error!("the surface of entity `{}` stays as it was: {complaint}", name());
             }
             let fits = box_in_range(&following.surface.lock().bounds()) && in_range(at);

@@ -1,6 +1,9 @@
 //! Which moment of the drawn animation a physics step uses.
 
 use std::collections::VecDeque;
+use std::time::Duration;
+
+use bevy::time::Time;
 
 /// The number of remembered frames.
 const FRAMES: usize = 64;
@@ -21,6 +24,68 @@ impl Span {
     }
 }
 
+/// The time of the coming step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepTime {
+    /// Its length in seconds.
+    pub(crate) dt: f32,
+    /// The drawn motion that it shows, if that is not what happened since the last step.
+    pub(crate) span: Option<Span>,
+    /// How much of what happened since the last step is motion: less than 1 after a long frame of which physics leaves out a part.
+    pub(crate) share: f64,
+}
+
+/// Watches the clock of physics.
+#[derive(Default)]
+pub(crate) struct Watch {
+    /// The time of the last look.
+    last: Option<Duration>,
+    /// How much longer frames were than their steps.
+    strides: Recent,
+}
+
+impl Watch {
+    /// Whether the clock was set since the last look, so that it does not say how much time has passed.
+    pub(crate) fn was_set(&mut self, time: &Time) -> bool {
+        let last = self.last.replace(time.elapsed());
+        last.is_some_and(|last| last + time.delta() != time.elapsed())
+    }
+
+    /// How much of a frame's motion counts, if the frame is this much longer than its step. All of it, unless the frame is an
+    /// exception among the last ones: then the rest of it is a jump, and surfaces keep their speed.
+    pub(crate) fn share(&mut self, stride: f64) -> f64 {
+        self.strides.push(stride);
+        self.strides.usual().map_or(1.0, |usual| (usual / stride).min(1.0))
+    }
+}
+
+/// The last few values.
+#[derive(Default)]
+struct Recent(VecDeque<f64>);
+
+impl Recent {
+    fn push(&mut self, value: f64) {
+        self.0.push_back(value);
+        if self.0.len() > FRAMES {
+            self.0.pop_front();
+        }
+    }
+
+    /// The second largest, because the largest may be an exception. The largest of two; `None` of none.
+    fn usual(&self) -> Option<f64> {
+        let (mut largest, mut second) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for &value in &self.0 {
+            if value > largest {
+                (largest, second) = (value, largest);
+            } else {
+                second = second.max(value);
+            }
+        }
+        let usual = if self.0.len() < 3 { largest } else { second };
+        usual.is_finite().then_some(usual)
+    }
+}
+
 /// How far physics in a fixed schedule is behind what is drawn, in seconds.
 ///
 /// A step's time is up to one frame later than the last drawn frame. Steps therefore use what was drawn slightly more than the
@@ -28,7 +93,7 @@ impl Span {
 /// physics waits and catches up at once.
 #[derive(Default)]
 pub(crate) struct Lag {
-    frames: VecDeque<f64>,
+    frames: Recent,
     last_frame: Option<f64>,
     lag: f64,
     known: usize,
@@ -45,11 +110,8 @@ impl Lag {
                 *self = Self::default();
                 self.last_frame = Some(time);
             } else if time > last {
-                self.frames.push_back(time - last);
+                self.frames.push(time - last);
                 self.known += 1;
-                if self.frames.len() > FRAMES {
-                    self.frames.pop_front();
-                }
             }
         }
     }
@@ -71,17 +133,9 @@ impl Lag {
         Some(Span { begin, end })
     }
 
-    /// A tenth more than the second longest of the last frames. The longest may have been an exception.
+    /// A tenth more than usual frames are long.
     fn wanted(&self) -> f64 {
-        let (mut longest, mut second) = (0.0_f64, 0.0_f64);
-        for &frame in &self.frames {
-            if frame > longest {
-                (longest, second) = (frame, longest);
-            } else {
-                second = second.max(frame);
-            }
-        }
-        1.1 * if self.frames.len() < 3 { longest } else { second }
+        1.1 * self.frames.usual().unwrap_or(0.0)
     }
 }
 
@@ -156,5 +210,27 @@ mod tests {
         }
         lag.frame(1.0);
         assert_eq!(lag.span(1.0, 0.5), Some(Span { begin: 0.5, end: 1.0 }));
+    }
+
+    #[test]
+    fn a_single_long_frame_is_mostly_a_jump() {
+        let mut watch = Watch::default();
+        for _ in 0..10 {
+            assert_eq!(watch.share(0.5), 1.0);
+        }
+        assert_eq!(watch.share(2.0), 0.25);
+        // Two of them may be the usual ones.
+        assert_eq!(watch.share(2.0), 1.0);
+    }
+
+    #[test]
+    fn a_clock_that_is_set_is_noticed() {
+        let (mut watch, mut time) = (Watch::default(), Time::default());
+        for delta in [0, 16, 0, 33] {
+            time.advance_by(Duration::from_millis(delta));
+            assert!(!watch.was_set(&time));
+        }
+        assert!(watch.was_set(&Time::default()));
+        assert!(!watch.was_set(&Time::default()));
     }
 }

@@ -14,7 +14,6 @@ use parry3d::shape::Shape;
 
 use super::follow::Following;
 use super::inside::Probe;
-use super::part::Pace;
 use super::placed::into_query;
 use super::point::SurfacePoint;
 
@@ -225,10 +224,8 @@ impl Exit {
     }
 
     /// How much a velocity has to change for the body to leave a surface that pushes with parts.
-    pub(crate) fn change_of(&self, velocity: Vec3, following: &mut Following, pace: &Pace) -> Vec3 {
-        let surface = following
-            .velocity_at(self.point, pace.max_acceleration)
-            .unwrap_or_default();
+    pub(crate) fn change_of(&self, velocity: Vec3, following: &mut Following) -> Vec3 {
+        let surface = following.velocity_at(self.point).unwrap_or_default();
         let speed = self.direction.dot(velocity.as_dvec3() - surface);
         (self.change(speed) * self.direction).as_vec3()
     }

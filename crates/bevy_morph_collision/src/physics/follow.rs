@@ -9,8 +9,8 @@ use morph_collision::{Aabb, Body, MorphBvh, Pose, ShapeQuery, WorldFromModel};
 use parry3d::bounding_volume::Aabb as ParryAabb;
 
 use super::ahead::Ahead;
-use super::clock::Span;
-use super::drawn::Drawn;
+use super::clock::{Span, StepTime};
+use super::drawn::{Drawn, Live};
 use super::layout::MeshLayout;
 use super::moment::{Moment, coordinates, displacement, posed_vertices};
 use super::motion::{between, continuous};
@@ -29,15 +29,23 @@ pub(crate) struct Following {
     pub(crate) past: Moment,
     /// Whether it moves during the coming step.
     pub(crate) moves: bool,
+    /// Whether that is no motion: it was put elsewhere, or has changed while time stood still.
+    jumps: bool,
+    /// Its place one step before `before`, and the length of that step, if there was one and it moved.
+    place_before: Option<(WorldFromModel, f64)>,
     /// Whether its shape has changed, in its collider's space.
     pub(crate) reshaped: bool,
-    /// The length of the last step if it moved during that step.
-    pub(crate) moved_for: Option<f32>,
+    /// The time that its motion in the last step took, if it moved in that step.
+    pub(crate) moved_for: Option<f64>,
+    /// The maximum change of a velocity per second, in world units per second. A faster change may be a jump.
+    pub(crate) max_acceleration: f32,
     /// The maximum distance that any vertex moves during the coming step, in world units.
     pub(crate) displacement: f64,
     /// The sum of all displacements so far.
     pub(crate) travelled: f64,
     last_step: f32,
+    /// How much of its change is motion in that step.
+    share: f64,
     /// Whether a dynamic body carries it. All moments then use the place of the body at the start of the step, so only changes of
     /// shape move it.
     carried: bool,
@@ -70,11 +78,16 @@ impl Following {
             before: still(moment()),
             past: still(moment()),
             moves: false,
+            jumps: false,
+            place_before: None,
             reshaped: true,
             moved_for: None,
+            // The first step sets it.
+            max_acceleration: f32::INFINITY,
             displacement: 0.0,
             travelled: 0.0,
             last_step: 0.0,
+            share: 1.0,
             carried: false,
             drawn: Drawn::new(moment().bounds().center()),
             span: None,
@@ -87,6 +100,16 @@ impl Following {
     /// The length of the coming step, or of the last one; 0 before the first.
     pub(crate) fn last_step(&self) -> f32 {
         self.last_step
+    }
+
+    /// The time in which it would change as in the coming step, if all of that change were motion.
+    pub(crate) fn motion_time(&self) -> f64 {
+        f64::from(self.last_step) / self.share
+    }
+
+    /// The maximum change of a velocity in the coming step.
+    pub(crate) fn velocity_limit(&self) -> f64 {
+        f64::from(self.max_acceleration * self.last_step)
     }
 
     /// Whether joints move the mesh.
@@ -109,7 +132,29 @@ impl Following {
         self.drawn.forget();
     }
 
-    /// Advances to the end of a step of `dt` seconds. If weights cannot be used, returns what is wrong, once; the last valid ones
+    /// Records what a frame is drawn with, at a time of the clock of physics.
+    pub(crate) fn record(
+        &mut self,
+        time: f64,
+        live: &Live,
+        weights: (Option<&MeshMorphWeights>, &Query<&MorphWeights>),
+    ) {
+        let count = self.before.pose.weights().len();
+        self.drawn.record(time, live, count, weights, self.max_acceleration);
+    }
+
+    /// Notices what changes while no steps come. That is no motion.
+    pub(crate) fn rest(&mut self, live: &Live, weights: (Option<&MeshMorphWeights>, &Query<&MorphWeights>)) {
+        let count = self.before.pose.weights().len();
+        self.drawn.rest(live, count, weights);
+    }
+
+    /// Whether it moves and does not jump as a whole.
+    pub(crate) fn is_in_motion(&self) -> bool {
+        self.moves && !self.jumps
+    }
+
+    /// Advances to the end of a step. If weights cannot be used, returns what is wrong, once; the last valid ones
     /// stay in use.
     ///
     /// With a `span`, values that frames change are as drawn at its end, and before the step as drawn at its start.
@@ -118,9 +163,9 @@ impl Following {
         weights: Option<&MeshMorphWeights>,
         shared: &Query<&MorphWeights>,
         ahead: Ahead,
-        span: Option<Span>,
-        dt: f32,
+        time: StepTime,
     ) -> Result<(), String> {
+        let StepTime { dt, span, share } = time;
         let Ahead {
             world_from_model,
             collider_from_model,
@@ -133,18 +178,22 @@ impl Following {
         let last_end = std::mem::replace(&mut self.span, span).map(|span| span.end);
         let first = self.last_step == 0.0 || (self.lacks_joints && joints.is_some());
         self.lacks_joints &= joints.is_none();
-        self.moved_for = self.moves.then_some(self.last_step);
+        self.moved_for = self.is_in_motion().then(|| self.motion_time());
+        self.place_before = self
+            .moved_for
+            .map(|last_step| (self.before.world_from_model, last_step));
         self.last_step = dt;
+        self.share = share;
         self.moves = false;
+        self.jumps = false;
         self.reshaped = first;
         self.displacement = 0.0;
         let mut posed = self.surface.lock();
         // Reuse the oldest pose for the newest.
         let taken = take_weights(&mut self.past.pose, weights, shared, &mut self.rest);
-        match (&taken, span) {
-            (Ok(_), Some(_)) => self.drawn.weights_at_step(self.past.pose.weights()),
-            (Ok(_), None) => {}
-            (Err(_), _) => {
+        match &taken {
+            Ok(_) => self.drawn.weights_at_step(self.past.pose.weights()),
+            Err(_) => {
                 let _fits = self.past.pose.set_weights(posed.pose.weights());
             }
         }
@@ -179,7 +228,9 @@ impl Following {
             self.world_from_model = world_from_model;
             self.before.world_from_model = world_from_model;
         }
-        if !same_shape || world_from_model != self.world_from_model {
+        let moved = world_from_model != self.world_from_model;
+        let is_put = self.drawn.is_put_in_step(!same_shape, moved);
+        if !same_shape || moved {
             self.moves = !first && same_carrier;
             self.reshaped |= !same_shape;
             std::mem::swap(&mut self.past, &mut self.before);
@@ -188,6 +239,12 @@ impl Following {
             self.before.world_from_model = self.world_from_model;
             self.world_from_model = world_from_model;
             if self.moves {
+                let follows = |(span, end): (Span, f64)| if span.follows(end) { end } else { span.begin };
+                self.jumps = is_put
+                    || span.is_some_and(|span| {
+                        let begin = last_end.map_or(span.begin, |end| follows((span, end)));
+                        self.drawn.is_put_between(begin, span.end)
+                    });
                 self.displacement = displacement(&mut self.before, &posed.pose, &world_from_model);
                 if let Some(span) = span.filter(|_| self.drawn.follows_frames()) {
                     self.moved_for = None;
@@ -204,6 +261,9 @@ impl Following {
         if carried {
             self.past.world_from_model = world_from_model;
         }
+        if let Some(span) = span {
+            self.drawn.forget_before(span.begin);
+        }
         self.reshaped |= posed.place(collider_from_model, mirrored);
         drop(posed);
         if self.complaint == complaint {
@@ -217,8 +277,11 @@ impl Following {
     ///
     /// A frame that changes a velocity by more than `max_acceleration` allows is a jump and not motion, however many steps it
     /// covers.
-    pub(crate) fn goes_on(&mut self, vertices: &[u32], max_acceleration: f32) -> bool {
+    pub(crate) fn goes_on(&mut self, vertices: &[u32]) -> bool {
         let Some(span) = self.span else { return true };
+        if !self.place_goes_on(vertices) {
+            return false;
+        }
         let (mut earlier, mut before): (Option<Vec<DVec3>>, Option<(f64, Vec<DVec3>)>) = (None, None);
         // If a body carries it, only what it is drawn with counts.
         self.past.world_from_model = self.world_from_model;
@@ -237,7 +300,13 @@ impl Following {
                 let mut velocities = Vec::new();
                 between(before, &now, frame, &mut velocities);
                 let is_seen = time > span.begin;
-                if is_seen && !continuous(&velocities, earlier.as_deref(), f64::from(max_acceleration) * frame) {
+                if is_seen
+                    && !continuous(
+                        &velocities,
+                        earlier.as_deref(),
+                        f64::from(self.max_acceleration) * frame,
+                    )
+                {
                     return false;
                 }
                 earlier = Some(velocities);
@@ -245,6 +314,47 @@ impl Following {
             before = Some((time, now));
         }
         true
+    }
+
+    /// Whether vertices move continuously with a place that frames do not change, such as that of a body.
+    fn place_goes_on(&mut self, vertices: &[u32]) -> bool {
+        let places = [self.world_from_model, self.before.world_from_model];
+        if !self.drawn.has_live_place() || places[0] == places[1] {
+            return true;
+        }
+        let earlier = self.place_before.filter(|_| !self.carried);
+        let mut posed = self.surface.lock();
+        let mut at = |place: &WorldFromModel| {
+            let mut points = Vec::new();
+            posed_vertices(&mut posed.pose, place, vertices, &mut points);
+            points
+        };
+        let velocities = |from: &[DVec3], to: &[DVec3], dt: f64| {
+            let mut velocities = Vec::new();
+            between(from, to, dt, &mut velocities);
+            velocities
+        };
+        let [now, before] = [&places[0], &places[1]].map(&mut at);
+        let earlier = earlier.map(|(place, dt)| velocities(&at(&place), &before, dt));
+        let limit = self.velocity_limit();
+        let velocities = velocities(&before, &now, f64::from(self.last_step));
+        continuous(&velocities, earlier.as_deref(), limit)
+    }
+
+    /// Whether vertices move and do not jump. `before` are their positions before the step, and `velocities` those to the end of it.
+    pub(crate) fn is_motion(&mut self, vertices: &[u32], before: &[DVec3], velocities: &[DVec3]) -> bool {
+        if self.looks_between_frames() {
+            return self.goes_on(vertices);
+        }
+        let limit = self.velocity_limit();
+        if continuous(velocities, None, limit) {
+            return true;
+        }
+        let Some(time) = self.moved_for else { return false };
+        let (mut past, mut earlier) = (Vec::new(), Vec::new());
+        self.past.vertices(vertices, &mut past);
+        between(&past, before, time, &mut earlier);
+        continuous(velocities, Some(&earlier), limit)
     }
 
     /// Whether the coming step uses values between frames.

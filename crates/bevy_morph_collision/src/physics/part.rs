@@ -6,7 +6,7 @@ use parry3d::shape::{Triangle, TrianglePseudoNormals};
 
 use super::follow::Following;
 use super::layout::{MeshLayout, NONE};
-use super::motion::{RigidMotion, between, continuous, fastest, largest};
+use super::motion::{RigidMotion, between, fastest, largest};
 use super::triangles::pseudo_normals;
 
 /// The parameters of a step.
@@ -16,8 +16,6 @@ pub(crate) struct Pace {
     pub(crate) dt: f32,
     /// The distance at which contacts are prepared.
     pub(crate) prediction: f32,
-    /// The maximum change of a velocity per second.
-    pub(crate) max_acceleration: f32,
 }
 
 /// Where a part is at the start of a step, and how it moves during the step.
@@ -78,9 +76,7 @@ pub(crate) struct PartScratch {
     part: u32,
     now: Vec<DVec3>,
     before: Vec<DVec3>,
-    past: Vec<DVec3>,
     velocities: Vec<DVec3>,
-    velocities_before: Vec<DVec3>,
     weights: Vec<f64>,
 }
 
@@ -163,7 +159,7 @@ impl<P: Default> Part<P> {
         scratch: &mut PartScratch,
     ) -> bool {
         following.vertices(&self.vertices, &mut scratch.now);
-        let moves = following.moves && self.velocities(following, pace, scratch);
+        let moves = following.is_in_motion() && self.velocities(following, pace, scratch);
         let PartScratch {
             now,
             before,
@@ -213,14 +209,12 @@ impl<P: Default> Part<P> {
         let PartScratch {
             now,
             before,
-            past,
             velocities,
-            velocities_before,
             ..
         } = scratch;
         following.before.vertices(&self.vertices, before);
-        between(before, now, f64::from(pace.dt), velocities);
-        let limit = f64::from(pace.max_acceleration * pace.dt);
+        between(before, now, following.motion_time(), velocities);
+        let limit = following.velocity_limit();
         if following.looks_between_frames() {
             // A step may cover only a small piece of a jump. A part that moves as before has not jumped.
             let slight = 0.1 * limit;
@@ -230,17 +224,18 @@ impl<P: Default> Part<P> {
                     let changes = changes.map(|(vertex, velocity)| velocity.distance(motion.at(vertex - origin)));
                     largest(changes) <= slight
                 })
-                || following.goes_on(&self.vertices, pace.max_acceleration);
+                || following.goes_on(&self.vertices);
         }
-        if continuous(velocities, None, limit) {
-            return true;
-        }
-        let Some(last_step) = following.moved_for else {
+        if !following.is_motion(&self.vertices, before, velocities) {
             return false;
-        };
-        following.past.vertices(&self.vertices, past);
-        between(past, before, f64::from(last_step), velocities_before);
-        continuous(velocities, Some(velocities_before), limit)
+        }
+        if following.motion_time() > f64::from(pace.dt) {
+            // Only the last part of the change is motion.
+            for ((before, now), velocity) in before.iter_mut().zip(now).zip(velocities) {
+                *before = *now - f64::from(pace.dt) * *velocity;
+            }
+        }
+        true
     }
 }
 

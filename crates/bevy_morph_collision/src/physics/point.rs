@@ -1,15 +1,10 @@
 //! Points of a surface: their positions and velocities.
 
-use bevy::math::DVec3;
-#[cfg(feature = "rapier")]
-use bevy::math::Vec3;
-#[cfg(feature = "rapier")]
-use morph_collision::{Body, ShapeQuery};
-use morph_collision::{ClosestPoint, Pose, WorldFromModel};
+use bevy::math::{DVec3, Vec3};
+use morph_collision::{Body, ClosestPoint, Pose, ShapeQuery, WorldFromModel};
 
 use super::follow::Following;
-use super::motion::{between, continuous};
-#[cfg(feature = "rapier")]
+use super::motion::between;
 use super::placed::into_query;
 
 /// A point of a mesh.
@@ -41,37 +36,21 @@ impl SurfacePoint {
 impl Following {
     /// The velocity of a point during the coming step or the last one, in world units per second. Zero while a jump is not
     /// confirmed as a motion, as for bodies. `None` if the triangle does not exist.
-    pub(crate) fn velocity_at(&mut self, point: SurfacePoint, max_acceleration: f32) -> Option<DVec3> {
+    pub(crate) fn velocity_at(&mut self, point: SurfacePoint) -> Option<DVec3> {
         let corners = self.before.pose.bvh().model().triangle(point.triangle)?;
-        let dt = f64::from(self.last_step());
-        if !self.moves || dt <= 0.0 {
+        if !self.is_in_motion() || self.last_step() <= 0.0 {
             return Some(DVec3::ZERO);
         }
-        let [mut now, mut before, mut past] = [const { Vec::new() }; 3];
+        let [mut now, mut before, mut velocities] = [const { Vec::new() }; 3];
         self.vertices(&corners, &mut now);
         self.before.vertices(&corners, &mut before);
-        let velocities = |from: &[DVec3], to: &[DVec3], dt: f64| -> Vec<DVec3> {
-            let mut velocities = Vec::new();
-            between(from, to, dt, &mut velocities);
-            velocities
-        };
-        let velocity = velocities(&before, &now, dt);
-        let goes_on = if self.looks_between_frames() {
-            self.goes_on(&corners, max_acceleration)
-        } else {
-            let limit = f64::from(max_acceleration) * dt;
-            let earlier = self.moved_for.map(|last_step| {
-                self.past.vertices(&corners, &mut past);
-                velocities(&past, &before, f64::from(last_step))
-            });
-            continuous(&velocity, earlier.as_deref(), limit)
-        };
-        if !goes_on {
+        between(&before, &now, self.motion_time(), &mut velocities);
+        if !self.is_motion(&corners, &before, &velocities) {
             return Some(DVec3::ZERO);
         }
         let shares = point.barycentrics.to_array();
         Some(
-            velocity
+            velocities
                 .iter()
                 .zip(shares)
                 .map(|(velocity, share)| share * velocity)
@@ -80,7 +59,6 @@ impl Following {
     }
 
     /// The point of the surface that is closest to a point in world space.
-    #[cfg(feature = "rapier")]
     pub(crate) fn closest(&mut self, point: Vec3, query: &mut ShapeQuery) -> Option<SurfacePoint> {
         let mut posed = self.surface.lock();
         let point = into_query(point.as_dvec3(), &posed.pose, &self.world_from_model);

@@ -67,6 +67,11 @@ impl Triangles {
         normals.is_none_or(|normals| normals.two_sided)
     }
 
+    #[cfg(feature = "rapier")]
+    pub(crate) fn triangle(&self, subshape: SubShapeId) -> Option<&Triangle> {
+        self.corners.get(subshape as usize)
+    }
+
     /// Converts a sub-shape to the mesh's triangle number.
     pub(crate) fn number(&self, subshape: SubShapeId) -> SubShapeId {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)

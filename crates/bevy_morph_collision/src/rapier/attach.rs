@@ -21,6 +21,7 @@ use crate::import::{MorphTreeSettings, MorphTrees};
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayouts;
 use crate::physics::surface::MorphSurface;
+use crate::physics::teleport::PhysicsSurface;
 use crate::shape::MorphShape;
 use crate::weights::take_weights;
 
@@ -62,6 +63,12 @@ impl RapierSurface {
             collider.set_enabled(!off && !collider_disabled);
         }
         self.off = off;
+    }
+}
+
+impl PhysicsSurface for RapierSurface {
+    fn following(&mut self) -> &mut Following {
+        &mut self.following
     }
 }
 

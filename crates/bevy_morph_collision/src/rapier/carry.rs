@@ -79,7 +79,7 @@ pub(super) fn carry(
         Option<&KinematicCharacterControllerOutput>,
         Placed,
     )>,
-    mut surfaces: Query<(&MorphRapierCollider, &mut RapierSurface)>,
+    mut surfaces: Query<&mut RapierSurface, With<MorphRapierCollider>>,
     mut transforms: Query<&mut Transform>,
     ignored: Query<Entity, With<ControllerIgnored>>,
     footing: Res<Footing>,
@@ -131,11 +131,10 @@ pub(super) fn carry(
             Some((handle, hit)) => {
                 let surface = colliders.collider_entity(handle);
                 let surface = surface.and_then(|surface| Some((surface, surfaces.get_mut(surface).ok()?)));
-                if let Some((surface, (rapier_collider, mut state))) = surface {
+                if let Some((surface, mut state)) = surface {
                     let following = &mut state.following;
                     let point = following.closest(hit.witness1, &mut query);
-                    let velocity =
-                        point.and_then(|point| following.velocity_at(point, rapier_collider.max_acceleration));
+                    let velocity = point.and_then(|point| following.velocity_at(point));
                     new.surface = Some(surface);
                     // Rapier moves dynamic bodies and does not carry controllers along with them.
                     let velocity = velocity.filter(|_| !walker.is_on_dynamic(handle));

@@ -10,7 +10,7 @@ use bevy_rapier3d::parry::shape::Shape;
 
 use super::gathered::{Gathered, is_ground, is_quiet, until_past, widening};
 use super::landing::keep_outermost;
-use super::side::keep_side;
+use super::side::{keep_plausible, keep_side};
 use super::sweep::sweep_part;
 use crate::physics::inside::one_is_in_the_other;
 use crate::physics::range::{Range, check, in_range};
@@ -268,6 +268,7 @@ where
         let (g1, g2) = near.as_ref().map_or((g1, g2), |near| near.shapes(g1, g2));
         DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction + ahead, manifolds, workspace)?;
         keep_side(pos12, g1, g2, manifolds);
+        keep_plausible(pos12, g1, g2, prediction, manifolds);
         if ahead > 0.0 {
             keep_outermost(prediction, manifolds);
         }

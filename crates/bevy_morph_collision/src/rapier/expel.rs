@@ -40,7 +40,7 @@ pub(super) fn drive_out(
     });
     let Some(exit) = exit else { return false };
     if let Some(body) = world.bodies.get_mut(mover.visitor.body) {
-        let change = exit.change_of(body.linvel(), following, &step.pace);
+        let change = exit.change_of(body.linvel(), following);
         if change != Vec3::ZERO {
             body.apply_impulse(change * body.mass(), true);
             world.islands.wake_up(world.bodies, mover.visitor.body, true);

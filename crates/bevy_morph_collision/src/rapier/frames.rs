@@ -13,7 +13,7 @@ use crate::weights::drawn_weights;
 
 /// Records a frame at its end, or before its steps if physics runs once per frame.
 pub(super) fn record_frame(
-    mut surfaces: Query<(&MorphRapierCollider, &mut RapierSurface, Shows)>,
+    mut surfaces: Query<(&mut RapierSurface, Shows), With<MorphRapierCollider>>,
     shared: Query<&MorphWeights>,
     globals: Query<&GlobalTransform>,
     bind_poses: Option<Res<BindPoses>>,
@@ -35,15 +35,14 @@ pub(super) fn record_frame(
         return;
     };
     skeletons.begin();
-    for (settings, mut surface, (place, weights, skin)) in &mut surfaces {
+    for (mut surface, (place, weights, skin)) in &mut surfaces {
         let following = &mut surface.following;
         let skin = skin.filter(|_| following.is_skinned());
-        let drawn = &mut following.drawn;
+        let drawn = &following.drawn;
         let live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-        let count = following.before.pose.weights().len();
-        drawn.record(now, &live, count, (weights, &shared), settings.max_acceleration);
+        following.record(now, &live, (weights, &shared));
         if !stepping.is_fixed {
-            drawn.follow_frames();
+            following.drawn.follow_frames();
         }
     }
 }

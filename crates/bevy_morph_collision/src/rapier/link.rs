@@ -16,10 +16,11 @@ use super::world::{Mover, World};
 use crate::physics::motion::largest;
 use crate::physics::part::Placed;
 
-/// Below this speed, per second, a part counts as not moving along an axis or rotating.
+/// Below this speed, in length units or radians per second, a part counts as not moving along an axis or rotating.
 const STILL: f32 = 1e-6;
 
-/// The inertia of a body along a locked axis. Rapier's own value there is zero, and a matrix with zeros cannot be inverted.
+/// The inertia of a body along a locked axis, relative to its mass or its inertia along other axes. Rapier's own value there is
+/// zero, and a matrix with zeros cannot be inverted.
 const LOCKED: f32 = 1e12;
 
 /// A part that will become a link.
@@ -31,6 +32,7 @@ pub(super) struct Link {
     /// Its motion in that space.
     linear: Vec3,
     angular: Vec3,
+    length_unit: f32,
 }
 
 impl Link {
@@ -42,6 +44,7 @@ impl Link {
             place: Place::from_parts(carrier.place.inverse_transform_point(placed.origin), to_body),
             linear: to_body * placed.linear,
             angular: to_body * placed.angular,
+            length_unit: carrier.length_unit,
         }
     }
 
@@ -50,6 +53,7 @@ impl Link {
     /// `X` is the axis of rotation, and `Y` is perpendicular to it. Three free axes are then enough, of which one is angular.
     fn joint(&self) -> (GenericJoint, impl Iterator<Item = f32> + use<>) {
         let turns = self.angular.length();
+        let still = STILL * self.length_unit;
         let x = if turns > STILL { self.angular } else { self.linear };
         let x = x.try_normalize().unwrap_or(Vec3::X);
         let along = self.linear.dot(x);
@@ -57,21 +61,21 @@ impl Link {
         let sideways = across.length();
         // The first step is perpendicular to `x` up to a few digits, the second one makes it exact.
         let y = (across / sideways.max(f32::MIN_POSITIVE)).reject_from_normalized(x);
-        let y = if sideways > STILL { y.try_normalize() } else { None };
+        let y = if sideways > still { y.try_normalize() } else { None };
         let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
         let frame = Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y)));
         let mut locked = JointAxesMask::LIN_Z | JointAxesMask::ANG_Y | JointAxesMask::ANG_Z;
-        let mut speed = |speed: f32, axis: JointAxesMask| {
-            let moves = speed.abs() > STILL;
+        let mut speed = |speed: f32, least: f32, axis: JointAxesMask| {
+            let moves = speed.abs() > least;
             if !moves {
                 locked |= axis;
             }
             moves.then_some(speed)
         };
         let speeds = [
-            speed(along, JointAxesMask::LIN_X),
-            speed(sideways, JointAxesMask::LIN_Y),
-            speed(turns, JointAxesMask::ANG_X),
+            speed(along, still, JointAxesMask::LIN_X),
+            speed(sideways, still, JointAxesMask::LIN_Y),
+            speed(turns, STILL, JointAxesMask::ANG_X),
         ];
         let joint = GenericJointBuilder::new(locked)
             .local_frame1(Place::from_parts(self.place.translation, frame))
@@ -93,6 +97,7 @@ pub(super) struct Carrier {
     pub(super) types: ActiveCollisionTypes,
     /// How far the body moves any point of the surface in the step.
     pub(super) way: f32,
+    length_unit: f32,
     pub(super) links: Vec<Link>,
 }
 
@@ -122,6 +127,7 @@ impl Carrier {
             soft_ccd_prediction: carrier.soft_ccd_prediction(),
             types: surface.active_collision_types() & types | ActiveCollisionTypes::DYNAMIC_DYNAMIC,
             way: largest(ways),
+            length_unit: world.length_unit,
             links: Vec::new(),
         })
     }
@@ -228,8 +234,17 @@ fn begin(multibody: &mut Multibody, body: &RigidBody, once: bool) {
     // Rapier's default would slow it down.
     multibody.damping_mut().fill(0.0);
     let locked = body.locked_axes().bits();
+    let mass = &body.mass_properties().local_mprops;
+    let inertias = [mass.mass(), mass.principal_inertia().max_element()].map(|own| {
+        let own = if own > 0.0 && own.is_finite() { own } else { 1.0 };
+        LOCKED * own
+    });
     for (axis, inertia) in multibody.armature_mut().iter_mut().take(6).enumerate() {
-        *inertia = if locked >> axis & 1 != 0 { LOCKED } else { 0.0 };
+        *inertia = if locked >> axis & 1 != 0 {
+            inertias[axis / 3]
+        } else {
+            0.0
+        };
     }
     let motion = body.linvel().to_array().into_iter().chain(body.angvel().to_array());
     for (velocity, speed) in multibody.generalized_velocity_mut().iter_mut().zip(motion) {

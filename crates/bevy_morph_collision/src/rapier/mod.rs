@@ -45,11 +45,15 @@ mod world;
 
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::ecs::system::SystemParam;
 use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
+use bevy::transform::systems::mark_dirty_trees;
 use bevy_rapier3d::control::KinematicCharacterController;
 use bevy_rapier3d::plugin::systems::update_character_controls;
 use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization, RapierTransformPropagateSet};
+
+use tracing::error;
 
 pub use crate::physics::surface::MorphSurface;
 pub use carry::{MorphCharacterCarry, MorphCharacterGround};
@@ -58,11 +62,12 @@ pub use scene::MorphRapierScene;
 pub use step::MorphRapierDiagnostics;
 pub use velocity::MorphRapierVelocity;
 
-use crate::changes::is_fixed;
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
+use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
+use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
@@ -94,15 +99,18 @@ use crate::plugins::missing;
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphRapierCollider {
-    /// The highest plausible acceleration of the surface, in world units per second squared. If the surface's velocity changes
-    /// faster, it may have jumped (teleported) instead of moved. Such a change counts as motion only when the next step confirms
-    /// it; until then it does not throw anything. The default is 100, ten times the acceleration of a fall.
+    /// The highest plausible acceleration of the surface, in length units per second squared: like Rapier's own parameters, it is
+    /// multiplied by `IntegrationParameters::length_unit`. If the surface's velocity changes faster, it may have jumped (teleported)
+    /// instead of moved. Such a change counts as motion only when the next step confirms it; until then it does not throw anything.
+    /// The default is 100, ten times the acceleration of a fall.
+    ///
+    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::MorphTeleported).
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///
     /// - Contacts only push outward. A body that is inside anyway (it was spawned there, or the surface jumped over it) is driven
     ///   out, at no more than the speed at which Rapier separates bodies (`IntegrationParameters::max_corrective_velocity`, 3
-    ///   units per second, and never more than 10 length units), and leaves at a third of that. A sleeping body wakes up.
+    ///   length units per second, and never more than 10), and leaves at a third of that. A sleeping body wakes up.
     ///   Character controllers are not driven out. Between two solid surfaces that overlap, a body may be driven from one into
     ///   the other.
     /// - Bodies entirely inside count as touching for sensors and for some of Rapier's queries: intersections, distances, points,
@@ -128,7 +136,7 @@ impl Default for MorphRapierCollider {
 
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphRapierCollider`].
 ///
-/// Add it after `RapierPhysicsPlugin`, together with [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every new
+/// Add it together with `RapierPhysicsPlugin`, in any order, and [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every new
 /// physics context a [`MorphQueryDispatcher`].
 ///
 /// ```no_run
@@ -143,24 +151,21 @@ impl Default for MorphRapierCollider {
 /// commands.spawn((RigidBody::Dynamic, Collider::ball(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
 /// # }
 /// ```
-#[derive(Clone, Copy, Debug)]
+///
+/// It runs in the schedule in which Rapier steps, whichever that is.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MorphRapierPlugin {
-    schedule: InternedScheduleLabel,
+    schedule: Option<InternedScheduleLabel>,
 }
 
 impl MorphRapierPlugin {
-    /// Use this if `RapierPhysicsPlugin` runs in another schedule than [`PostUpdate`], usually in [`FixedUpdate`].
+    /// Names the schedule in which Rapier steps. You only need this if the plugin cannot find it, because your game
+    /// adds Rapier's systems to schedules itself after all plugins are there, or to several schedules.
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
-            schedule: schedule.intern(),
+            schedule: Some(schedule.intern()),
         }
-    }
-}
-
-impl Default for MorphRapierPlugin {
-    fn default() -> Self {
-        Self::new(PostUpdate)
     }
 }
 
@@ -177,39 +182,84 @@ pub enum MorphRapierSystems {
 
 impl Plugin for MorphRapierPlugin {
     fn build(&self, app: &mut App) {
-        build(app, self.schedule);
+        // If Rapier is there. Otherwise in `finish`, when all plugins are.
+        if is_there(app) && !schedules_with(app, PhysicsSet::StepSimulation).is_empty() {
+            self.install(app);
+        }
     }
 
     fn finish(&self, app: &mut App) {
+        if is_there(app) && !app.world().contains_resource::<Settled>() {
+            self.install(app);
+        }
         check(app);
     }
 }
 
+impl MorphRapierPlugin {
+    fn install(self, app: &mut App) {
+        app.init_resource::<Settled>();
+        let found = schedules_with(app, PhysicsSet::StepSimulation);
+        let schedule = choose(&found, self.schedule, ["MorphRapierPlugin", "RapierPhysicsPlugin"]);
+        if let Some(schedule) = schedule {
+            build(app, schedule);
+        } else if found.is_empty() {
+            error!(
+                "MorphRapierPlugin does nothing, because no schedule has a system in Rapier's `PhysicsSet::StepSimulation`: name the \
+                 schedule to which you will add it, for example MorphRapierPlugin::new(FixedUpdate)"
+            );
+        }
+    }
+}
+
+/// Whether the plugin has found Rapier's schedule, or has logged what is missing.
+#[derive(Resource, Default)]
+pub(crate) struct Settled;
+
+/// Whether Rapier is in the app.
+fn is_there(app: &App) -> bool {
+    app.world().contains_resource::<RapierContextInitialization>()
+}
+
 fn check(app: &mut App) {
-    let world = app.world();
-    if !world.contains_resource::<MorphCollisions>() {
+    if !app.world().contains_resource::<MorphCollisions>() {
         missing(
             app,
             "MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees",
         );
     }
-    if !world.contains_resource::<RapierContextInitialization>() {
-        missing(
+    if !is_there(app)
+        && missing(
             app,
-            "MorphRapierPlugin does nothing without RapierPhysicsPlugin, which must be added before it",
-        );
-    } else if !world.contains_resource::<step::Stepping>() {
-        tracing::error!("MorphRapierPlugin does nothing: RapierPhysicsPlugin must be added before it");
+            "MorphRapierPlugin does nothing without RapierPhysicsPlugin: add RapierPhysicsPlugin to the app",
+        )
+    {
+        app.init_resource::<Settled>();
     }
     layout::add_to_trees(app);
 }
 
-fn build(app: &mut App, schedule: InternedScheduleLabel) {
-    if !app.world().contains_resource::<RapierContextInitialization>() {
-        // Logged in `finish`, when it is certain that the other plugin is missing.
-        return;
+/// What an app lacks, so that components for Rapier have no effect.
+#[derive(SystemParam)]
+pub(crate) struct Lacking<'w> {
+    engine: Option<Res<'w, RapierContextInitialization>>,
+    settled: Option<Res<'w, Settled>>,
+}
+
+impl Lacking<'_> {
+    /// How to add the plugin that is missing. `None` if there is none, or if the log says so already.
+    pub(crate) fn remedy(&self) -> Option<&'static str> {
+        match (&self.settled, &self.engine) {
+            (Some(_), _) => None,
+            (None, Some(_)) => Some("app.add_plugins(MorphRapierPlugin::default())"),
+            (None, None) => Some("app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())"),
+        }
     }
-    let is_fixed = is_fixed(schedule);
+}
+
+fn build(app: &mut App, schedule: InternedScheduleLabel) {
+    let is_fixed = runs_fixed(app, schedule);
+    follow_fixed_loop(app);
     // Now, or later if the other plugin is added after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
@@ -223,6 +273,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<footing::Footing>()
         .add_observer(step::teach_context)
         .add_observer(attach::detach_surface)
+        .add_observer(put_elsewhere::<attach::RapierSurface>)
         .add_observer(attach::take_parts_along)
         .configure_sets(
             schedule,
@@ -259,21 +310,29 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .in_set(PhysicsSet::SyncBackend)
                     .after(update_character_controls)
                     .before(RapierTransformPropagateSet),
+                // Rapier places hierarchies before its step, but only those that were marked. Otherwise, the first change of a joint, or
+                // of a body with children, would reach the step a frame late, if at all.
+                mark_dirty_trees
+                    .in_set(PhysicsSet::SyncBackend)
+                    .after(carry::carry)
+                    .before(RapierTransformPropagateSet),
             ),
         );
-    if is_fixed {
-        let at_the_end = frames::record_frame
-            .after(AnimationSystems)
-            .after(TransformSystems::Propagate)
-            .before(MorphCollisionSystems::Anchors);
-        app.add_systems(PostUpdate, at_the_end)
-            .add_systems(FixedLast, frames::after_steps);
-    } else {
-        let before_steps = frames::record_frame.in_set(MorphRapierSystems::BeforeStep);
-        app.add_systems(
-            schedule,
-            before_steps.after(attach::stop_absent).before(step::before_step),
-        );
+    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(MorphCollisionSystems::Anchors);
+    let before_steps = frames::record_frame
+        .in_set(MorphRapierSystems::BeforeStep)
+        .after(attach::stop_absent)
+        .before(step::before_step);
+    if is_fixed != Some(false) {
+        app.add_systems(PostUpdate, at_the_end.run_if(fixed))
+            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
+    }
+    if is_fixed != Some(true) {
+        app.add_systems(schedule, before_steps.run_if(not(fixed)));
     }
     // Has no effect if controllers already exist; those are carried if you add the component to them.
     let _too_late = app.try_register_required_components::<KinematicCharacterController, MorphCharacterCarry>();

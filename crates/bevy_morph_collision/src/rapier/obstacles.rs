@@ -57,6 +57,7 @@ impl Obstacles {
                 },
                 ahead: 0.0,
                 fast: false,
+                flight: None,
                 bullet: false,
                 groups: collider.collision_groups(),
                 events: collider.active_events(),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::math::Vec3;
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::parry::shape::Shape;
@@ -20,6 +21,7 @@ use crate::physics::expel::Expelling;
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
+use crate::physics::passage::{Passage, middle};
 use crate::physics::surface::MorphSurface;
 use crate::physics::triangles::Patch;
 
@@ -38,6 +40,7 @@ pub(super) struct Pushing {
     spared: Spared,
     /// The colliders near or inside the surface, if it is solid.
     expelling: Expelling<ColliderHandle>,
+    passage: Passage<ColliderHandle, RigidBodyHandle>,
     /// Bodies whose CCD is switched on or off for this step only, with their usual setting.
     bullets: Vec<(RigidBodyHandle, bool)>,
     /// Whether parts looked ahead in the last step.
@@ -59,6 +62,7 @@ impl Pushing {
             forces: Forces::default(),
             spared: Spared::default(),
             expelling: Expelling::default(),
+            passage: Passage::default(),
             bullets: Vec::new(),
             looked_ahead: false,
             meeting: Vec::new(),
@@ -111,6 +115,7 @@ impl Pushing {
             return 0;
         }
         self.near.begin(following);
+        self.passage.begin();
         let is_solid = following.surface.lock().is_solid() && !self.linked;
         if !self.linked {
             self.expelling.begin(None);
@@ -153,6 +158,13 @@ impl Pushing {
         }
         for (mover, touches) in looking {
             let visitor = &mover.visitor;
+            if !self.linked
+                && !manners.is_hooked()
+                && let Some(flight) = &mover.flight
+                && solves(visitor.collider, &manners, world)
+            {
+                self.passage.watch((visitor.collider, visitor.body), flight, following);
+            }
             let is_inside = is_solid && drive_out(&mut self.expelling, mover, following, &manners, step, world);
             if touches && mover.ahead > 0.0 {
                 self.fast.push((visitor.bounds, mover.ahead));
@@ -283,6 +295,32 @@ impl Pushing {
         }
     }
 
+    /// After a step, moves bodies back that have passed through the surface.
+    pub(super) fn hold_back(
+        &mut self,
+        following: &mut Following,
+        bodies: &mut RigidBodySet,
+        colliders: &mut ColliderSet,
+    ) {
+        let end = |collider: ColliderHandle| {
+            let collider = colliders.get(collider)?;
+            let body = bodies.get(collider.parent()?)?;
+            let in_body = collider.position_wrt_parent().copied().unwrap_or_default();
+            Some((*body.position() * in_body).transform_point(middle(collider.shape())?))
+        };
+        let shifts = self.passage.hold_back(following, end);
+        for &(body, shift) in &shifts {
+            if let Some(body) = bodies.get_mut(body).filter(|body| body.is_dynamic()) {
+                let locked = body.locked_axes().bits();
+                let free = Vec3::from_array([0, 1, 2].map(|axis| if locked >> axis & 1 == 0 { 1.0 } else { 0.0 }));
+                body.set_translation(body.translation() + free * shift, false);
+            }
+        }
+        if !shifts.is_empty() {
+            bodies.propagate_modified_body_positions_to_colliders(colliders);
+        }
+    }
+
     /// Gives parts the name of their surface again.
     pub(super) fn finish(&mut self, surface: &MorphSurface, bodies: &mut RigidBodySet, colliders: &mut ColliderSet) {
         surface.set_quiet(false);
@@ -320,4 +358,10 @@ impl Pushing {
             }
         }
     }
+}
+
+/// Whether the solver pushes a collider away from a surface.
+fn solves(collider: ColliderHandle, manners: &Manners, world: &World) -> bool {
+    let collider = world.colliders.get(collider);
+    collider.is_some_and(|collider| collider.solver_groups().test(manners.solver_groups))
 }

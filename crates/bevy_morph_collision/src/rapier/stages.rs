@@ -17,7 +17,8 @@ use super::link::Carrier;
 use super::world::{Manners, Step, World, no_push};
 use crate::physics::ahead::{is_rigid, rigid_place};
 use crate::physics::begin::{advance, set_sides};
-use crate::physics::clock::Span;
+use crate::physics::clock::StepTime;
+use crate::physics::drawn::Live;
 use crate::physics::follow::Following;
 use crate::physics::range::MAX_COORDINATE;
 use crate::skeletons::{BindPoses, Skeletons};
@@ -33,6 +34,23 @@ pub(super) struct Sources<'w, 's> {
 }
 
 impl Sources<'_, '_> {
+    fn live(&mut self, following: &Following, place: &GlobalTransform, skin: Option<&SkinnedMesh>) -> Live {
+        let skin = skin.filter(|_| following.is_skinned());
+        let bind_poses = self.bind_poses.as_deref();
+        let drawn = &following.drawn;
+        drawn.live(place, skin, &mut self.skeletons, bind_poses, &self.globals)
+    }
+
+    /// Lets a surface notice what changes while no steps come.
+    pub(super) fn rest(
+        &mut self,
+        following: &mut Following,
+        (place, weights, skin): (&GlobalTransform, Option<&MeshMorphWeights>, Option<&SkinnedMesh>),
+    ) {
+        let live = self.live(following, place, skin);
+        following.rest(&live, (weights, &self.shared));
+    }
+
     fn name(&self, entity: Entity) -> String {
         self.names.get(entity).map(|name| name.to_string()).unwrap_or_default()
     }
@@ -53,7 +71,7 @@ pub(super) fn follow(
     surface: &mut RapierSurface,
     (entity, handle): (Entity, ColliderHandle),
     (place, weights, skin): (&GlobalTransform, Option<&MeshMorphWeights>, Option<&SkinnedMesh>),
-    (span, dt): (Option<Span>, f32),
+    time: StepTime,
     sources: &mut Sources,
     world: &mut World,
 ) -> bool {
@@ -64,26 +82,24 @@ pub(super) fn follow(
         following, bad_place, ..
     } = surface;
     let is_skinned = following.is_skinned();
-    let drawn = &mut following.drawn;
-    let skin = skin.filter(|_| is_skinned);
-    let bind_poses = sources.bind_poses.as_deref();
-    let mut live = drawn.live(place, skin, &mut sources.skeletons, bind_poses, &sources.globals);
-    drawn.stands_alone = collider.parent().is_none();
-    if let Some(span) = span {
-        drawn.at_step(&live);
-        live = drawn.at(span.end, live);
+    following.drawn.stands_alone = collider.parent().is_none();
+    following.drawn.on_body = collider.parent().is_some();
+    let mut live = sources.live(following, place, skin);
+    following.drawn.at_step(&live);
+    if let Some(span) = time.span {
+        live = following.drawn.at(span.end, live);
     }
-    let ahead = ahead(collider, world.bodies, &live, is_skinned, dt);
+    let ahead = ahead(collider, world.bodies, &live, is_skinned, time.dt);
     let at = Vec3::from(live.place.translation);
     let weights = (weights, &sources.shared);
     let name = || sources.name(entity);
-    if !advance(following, (ahead, at), weights, (span, dt), bad_place, name) {
+    if !advance(following, (ahead, at), weights, time, bad_place, name) {
         return false;
     }
     let drawn_at = rigid_place(&live.place.into());
     if collider.parent().is_none()
         // A scale of zero leaves no valid rotation, and Rapier would disable the collider permanently.
-        && (!is_rigid(collider.position()) || (span.is_some() && *collider.position() != drawn_at))
+        && (!is_rigid(collider.position()) || (time.span.is_some() && *collider.position() != drawn_at))
         && let Some(collider) = world.colliders.get_mut(handle)
     {
         collider.set_position(drawn_at);
@@ -171,7 +187,8 @@ pub(super) fn show(
             collider.set_shape(shape);
         }
     }
-    if following.moves
+    // It may have fallen asleep before it had a surface.
+    if changed
         && role.on_dynamic
         && let Some(body) = role.body
     {

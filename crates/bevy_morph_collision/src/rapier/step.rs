@@ -22,13 +22,14 @@ use super::forces::Stepped;
 use super::link::Links;
 use super::obstacles::Obstacles;
 use super::stages::{Role, Sources, drive, follow, push, show, tell_too_large};
-use super::timestep::{is_one_step, substep, time_ahead};
+use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead};
 use super::touches::tell_whole;
 use super::world::{Audience, Movers, Step, World};
 use crate::collider::MorphColliderDisabled;
-use crate::physics::clock::Lag;
+use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;
+use crate::physics::schedule::InFixedLoop;
 
 /// Counts of [`MorphRapierCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,13 +60,28 @@ pub(crate) struct Stepping {
     too_large: HashSet<u128>,
     /// Whether physics runs in a fixed schedule.
     pub(super) is_fixed: bool,
+    /// Whether each step decides that.
+    is_learning: bool,
     /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
+    watch: Watch,
 }
 
 impl Stepping {
-    pub(super) fn new(is_fixed: bool) -> Self {
-        Self { is_fixed, ..default() }
+    /// `None` if only the first step will show whether physics runs in a fixed schedule.
+    pub(super) fn new(is_fixed: Option<bool>) -> Self {
+        Self {
+            is_fixed: is_fixed.unwrap_or(false),
+            is_learning: is_fixed.is_none(),
+            ..default()
+        }
+    }
+
+    /// Runs before every step.
+    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
+        if self.is_learning {
+            self.is_fixed = inside.0;
+        }
     }
 }
 
@@ -96,6 +112,7 @@ pub(super) fn world<'a>(
         impulse_joints: &mut joints.impulse_joints,
         multibody_joints: &mut joints.multibody_joints,
         soft_bodies: &mut bodies.soft_bodies,
+        length_unit: simulation.integration_parameters.length_unit,
     }
 }
 
@@ -115,10 +132,12 @@ pub(super) fn before_step(
     mut sources: Sources,
     mode: Res<TimestepMode>,
     time: Res<Time>,
+    inside: Res<InFixedLoop>,
     mut stepping: ResMut<Stepping>,
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
 ) {
     let start = Instant::now();
+    stepping.learn(&inside);
     *diagnostics = MorphRapierDiagnostics::default();
     if surfaces.is_empty() {
         return;
@@ -130,15 +149,36 @@ pub(super) fn before_step(
         too_large,
         is_fixed,
         lag,
+        watch,
+        ..
     } = &mut *stepping;
+    if watch.was_set(&time) {
+        for (_, _, mut surface, ..) in &mut surfaces {
+            surface.following.drawn.pause();
+        }
+    }
+    let mut share = None;
     let fixed_span = is_fixed.then(|| lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
     let (mut refused, mut has_stepped) = (HashSet::default(), false);
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
         let (dt, interpolated) = time_ahead(&mode, &time, behind.diff);
         let span = fixed_span.unwrap_or(interpolated);
         if !configuration.physics_pipeline_active || dt <= 0.0 {
+            if !configuration.physics_pipeline_active || !is_between_steps(&mode, &time) {
+                sources.skeletons.outdate();
+                let surfaces = surfaces.iter_mut().filter(|surface| surface.2.context == Some(context));
+                for (_, _, mut surface, _, _, shows, ..) in surfaces {
+                    sources.rest(&mut surface.following, shows);
+                }
+            }
             continue;
         }
+        let share = match span {
+            Some(_) => 1.0,
+            // The same for all contexts.
+            None => *share.get_or_insert_with(|| watch.share(stride(&mode, &time, dt))),
+        };
+        let time = StepTime { dt, span, share };
         now.store(true, Ordering::Release);
         if !has_stepped {
             // Not in frames without a step: a pause would drop the skeletons.
@@ -164,9 +204,10 @@ pub(super) fn before_step(
                 continue;
             }
             surface.context = Some(context);
+            surface.following.max_acceleration = settings.max_acceleration * parameters.length_unit;
             let (morph_disabled, collider_disabled) = disabled;
             let place = (entity, handle.0);
-            let off = morph_disabled || !follow(surface, place, shows, (span, dt), &mut sources, &mut world);
+            let off = morph_disabled || !follow(surface, place, shows, time, &mut sources, &mut world);
             surface.switch(off, collider_disabled, world.colliders, handle.0);
             if off {
                 surface.pushing.stop(&mut world);
@@ -185,7 +226,6 @@ pub(super) fn before_step(
                 pace: Pace {
                     dt,
                     prediction: parameters.prediction_distance() + role.manners.contact_skin,
-                    max_acceleration: settings.max_acceleration,
                 },
                 // The speed at which Rapier separates overlapping bodies.
                 leaving: parameters.max_corrective_velocity().min(10.0 * parameters.length_unit),
@@ -251,6 +291,7 @@ pub(super) fn after_step(
             if pushing.repeats {
                 repeating.insert(entity, context);
             }
+            pushing.hold_back(following, &mut bodies.bodies, &mut colliders.colliders);
             pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
         }
     }

@@ -35,6 +35,30 @@ pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32,
     (dt, None)
 }
 
+/// How much longer a frame is than its step of `dt` seconds.
+pub(super) fn stride(mode: &TimestepMode, time: &Time, dt: f32) -> f64 {
+    let frame = match *mode {
+        TimestepMode::Fixed { .. } => time.delta_secs(),
+        TimestepMode::Variable { time_scale, .. } => time.delta_secs() * time_scale,
+        // Its steps are of one length, and it does as many as fit.
+        TimestepMode::Interpolated { .. } => dt,
+    };
+    f64::from(frame) / f64::from(dt)
+}
+
+/// Whether time goes on without a step in this frame only because the next step is not due yet.
+pub(super) fn is_between_steps(mode: &TimestepMode, time: &Time) -> bool {
+    let TimestepMode::Interpolated {
+        dt,
+        time_scale,
+        substeps,
+    } = *mode
+    else {
+        return false;
+    };
+    dt > 0.0 && time_scale > 0.0 && substeps > 0 && !time.delta().is_zero()
+}
+
 /// The length of a substep, given that of the step.
 pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
     let (substeps, scale) = match *mode {

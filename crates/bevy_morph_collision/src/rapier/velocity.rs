@@ -43,15 +43,7 @@ use crate::physics::point::SurfacePoint;
 /// ```
 #[derive(SystemParam)]
 pub struct MorphRapierVelocity<'w, 's> {
-    surfaces: Query<
-        'w,
-        's,
-        (
-            &'static MorphRapierCollider,
-            &'static mut RapierSurface,
-            &'static RapierColliderHandle,
-        ),
-    >,
+    surfaces: Query<'w, 's, (&'static mut RapierSurface, &'static RapierColliderHandle), With<MorphRapierCollider>>,
     contexts: Query<'w, 's, (&'static RapierContextColliders, &'static RapierRigidBodySet)>,
     query: Local<'s, ShapeQuery>,
 }
@@ -74,21 +66,21 @@ impl MorphRapierVelocity<'_, '_> {
             triangle,
             barycentrics: barycentrics.as_dvec3(),
         };
-        let (max_acceleration, following, _) = self.following(surface)?;
-        Some(following.velocity_at(point, max_acceleration)?.as_vec3())
+        let (following, _) = self.following(surface)?;
+        Some(following.velocity_at(point)?.as_vec3())
     }
 
     /// The velocity of a surface at its point closest to `point`, which is in world space. `None` in the cases of
     /// [`velocity_at`](Self::velocity_at), and if the point is not finite.
     #[must_use]
     pub fn surface_velocity(&mut self, surface: Entity, point: Vec3) -> Option<Vec3> {
-        let (max_acceleration, following, query) = self.following(surface)?;
+        let (following, query) = self.following(surface)?;
         let point = following.closest(point, query)?;
-        Some(following.velocity_at(point, max_acceleration)?.as_vec3())
+        Some(following.velocity_at(point)?.as_vec3())
     }
 
-    fn following(&mut self, surface: Entity) -> Option<(f32, &mut Following, &mut ShapeQuery)> {
-        let (settings, surface, handle) = self.surfaces.get_mut(surface).ok()?;
+    fn following(&mut self, surface: Entity) -> Option<(&mut Following, &mut ShapeQuery)> {
+        let (surface, handle) = self.surfaces.get_mut(surface).ok()?;
         let (colliders, bodies) = self.contexts.get(surface.context?).ok()?;
         let body = colliders.colliders.get(handle.0)?.parent();
         let body = body.and_then(|body| bodies.bodies.get(body));
@@ -96,6 +88,6 @@ impl MorphRapierVelocity<'_, '_> {
             return None;
         }
         let following = &mut surface.into_inner().following;
-        Some((settings.max_acceleration, following, &mut self.query))
+        Some((following, &mut self.query))
     }
 }

@@ -19,6 +19,7 @@ use super::obstacles::Obstacles;
 use super::sweep::MARGIN;
 use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
+use crate::physics::passage::{FAR, Flight};
 use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
 use crate::physics::triangles::Patch;
@@ -31,6 +32,7 @@ pub(super) struct World<'a> {
     pub(super) impulse_joints: &'a mut ImpulseJointSet,
     pub(super) multibody_joints: &'a mut MultibodyJointSet,
     pub(super) soft_bodies: &'a mut SoftBodySet,
+    pub(super) length_unit: f32,
 }
 
 impl World<'_> {
@@ -130,6 +132,8 @@ pub(super) struct Mover {
     pub(super) ahead: f32,
     /// Whether it moves so far in the step that it must be swept.
     pub(super) fast: bool,
+    /// How it moves, if it is convex and contact hooks do not decide what it touches.
+    pub(super) flight: Option<Flight>,
     /// Whether the game made it a bullet.
     pub(super) bullet: bool,
     pub(super) groups: InteractionGroups,
@@ -170,10 +174,6 @@ impl Movers {
             .take(self.all.iter().map(|mover| mover.visitor.bounds), surfaces);
     }
 }
-
-/// A body that moves by less than this in a step, relative to its smallest extent, overlaps a surface so little when it arrives
-/// that contacts push it back out.
-const FAR: f32 = 0.25;
 
 /// How far a body moves in a step that takes it to `next`, and how far any point of its collider moves, at most. `bounds` is around
 /// the collider.
@@ -237,6 +237,10 @@ fn find_movers(
                     0.0
                 },
                 fast: way > FAR * thin,
+                flight: match shape.active_hooks().is_empty() {
+                    true => Flight::of(shape.shape(), &(*body.position() * in_body), travel),
+                    false => None,
+                },
                 bullet: body.is_ccd_enabled(),
                 groups: shape.collision_groups(),
                 events: shape.active_events(),
@@ -261,6 +265,11 @@ pub(super) struct Manners {
 }
 
 impl Manners {
+    /// Whether contact hooks decide what it touches.
+    pub(super) fn is_hooked(&self) -> bool {
+        !self.hooks.is_empty()
+    }
+
     pub(super) fn of(collider: &Collider, solver_groups: InteractionGroups) -> Self {
         Self {
             friction: collider.friction(),

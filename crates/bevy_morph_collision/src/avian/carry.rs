@@ -1,0 +1,223 @@
+//! Carries kinematic characters along with the surface on which they stand.
+
+use avian3d::prelude::{
+    Collider, ColliderOf, CollisionLayers, MoveAndSlide, MoveAndSlideConfig, Physics, PhysicsLengthUnit, Position,
+    RigidBody, RigidBodyColliders, Rotation, Sensor, ShapeCastConfig, SpatialQuery, SpatialQueryFilter,
+};
+use bevy::ecs::entity::hash_map::EntityHashMap;
+use bevy::prelude::*;
+use morph_collision::ShapeQuery;
+
+use super::MorphAvianCollider;
+use super::attach::AvianSurface;
+use super::step::Stepping;
+use crate::physics::point::SurfacePoint;
+
+/// Carries a character along with the [`MorphAvianCollider`] on which it stands.
+///
+/// Put it on a character that your game moves itself, for example with Avian's `MoveAndSlide`: an entity with a `Collider`, and
+/// usually with `RigidBody::Kinematic`. After each step, the character also moves with the velocity of the surface below its feet,
+/// until it hits a wall. It is not rotated.
+///
+/// The ground is the first thing below its shape that is not steeper than [`max_slope`](Self::max_slope). Surfaces that the
+/// character merely touches do not move it. `MoveAndSlide` ignores colliders without a `RigidBody`, so give the surface one, such as
+/// `RigidBody::Static`.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// use avian3d::prelude::*;
+///
+/// fn spawn(mut commands: Commands, jelly: Handle<Mesh>) {
+///     commands.spawn((Mesh3d(jelly), MorphAvianCollider::default(), RigidBody::Static));
+///     let body = (RigidBody::Kinematic, Collider::capsule(0.3, 1.0), CustomPositionIntegration);
+///     commands.spawn((body, MorphAvianCarry::default(), Transform::from_xyz(0.0, 5.0, 0.0)));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
+#[require(MorphAvianGround)]
+pub struct MorphAvianCarry {
+    /// The direction away from the ground. The default is `+Y`.
+    pub up: Dir3,
+    /// How far below the shape the ground may be, in length units (multiplied by `PhysicsLengthUnit`). It must be larger than the
+    /// character's distance from the ground, which is `MoveAndSlideConfig::skin_width`, 0.01. The default is 0.1.
+    pub reach: f32,
+    /// The angle of the steepest slope that carries, in radians. The default is 45 degrees.
+    pub max_slope: f32,
+}
+
+impl Default for MorphAvianCarry {
+    fn default() -> Self {
+        Self {
+            up: Dir3::Y,
+            reach: 0.1,
+            max_slope: std::f32::consts::FRAC_PI_4,
+        }
+    }
+}
+
+/// The surface with a [`MorphAvianCollider`] on which a character with a [`MorphAvianCarry`] stands. Updated in each step.
+///
+/// When the character jumps, add the velocity to its own to let it fly along with the surface.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
+pub struct MorphAvianGround {
+    /// The surface's entity. `None` in the air and on any other ground.
+    pub surface: Option<Entity>,
+    /// The velocity of the surface below the character's feet during the last step, in world units per second.
+    pub velocity: Vec3,
+}
+
+/// The points of surfaces on which characters stand before a step.
+#[derive(Resource, Default)]
+pub(super) struct Footing(EntityHashMap<(Entity, SurfacePoint)>);
+
+/// The number of things below a character that are too steep and may be skipped.
+const WALLS: usize = 4;
+
+/// What a character does not collide with while it looks for ground or is carried.
+fn sight(character: Entity, own: Option<&RigidBodyColliders>, layers: Option<&CollisionLayers>) -> SpatialQueryFilter {
+    let mut filter = SpatialQueryFilter::from_excluded_entities([character]);
+    filter
+        .excluded_entities
+        .extend(own.into_iter().flat_map(|own| own.iter()));
+    match layers {
+        Some(layers) => filter.with_mask(layers.filters),
+        None => filter,
+    }
+}
+
+/// Before a step: finds the points on which characters stand. Surfaces are where the last step left them.
+pub(super) fn find_ground(
+    characters: Query<(
+        Entity,
+        &MorphAvianCarry,
+        (&Collider, &Position, &Rotation),
+        (Option<&RigidBodyColliders>, Option<&CollisionLayers>),
+    )>,
+    mut surfaces: Query<(&mut AvianSurface, Option<&ColliderOf>), With<MorphAvianCollider>>,
+    bodies: Query<&RigidBody>,
+    sensors: Query<(), With<Sensor>>,
+    spatial: SpatialQuery,
+    length_unit: Res<PhysicsLengthUnit>,
+    mut footing: ResMut<Footing>,
+    mut query: Local<ShapeQuery>,
+) {
+    footing.0.clear();
+    if surfaces.is_empty() {
+        return;
+    }
+    for (entity, carry, (collider, position, rotation), (own, layers)) in &characters {
+        let reach = carry.reach * length_unit.0;
+        if !position.0.is_finite() || !(reach > 0.0 && reach.is_finite()) {
+            continue;
+        }
+        let mut filter = sight(entity, own, layers);
+        // From higher up, because the character may touch the ground.
+        let start = position.0 + carry.up * reach;
+        let config = ShapeCastConfig {
+            ignore_origin_penetration: true,
+            ..ShapeCastConfig::from_max_distance(2.0 * reach)
+        };
+        let steepest = carry.max_slope.cos().max(1e-3);
+        let mut below = None;
+        for _ in 0..WALLS {
+            let is_solid = |entity| !sensors.contains(entity);
+            let hit = spatial.cast_shape_predicate(collider, start, *rotation, -carry.up, &config, &filter, &is_solid);
+            let Some(hit) = hit else { break };
+            if hit.normal1.dot(*carry.up) >= steepest {
+                below = Some(hit);
+                break;
+            }
+            filter.excluded_entities.insert(hit.entity);
+        }
+        let Some(hit) = below else { continue };
+        let Ok((mut surface, of)) = surfaces.get_mut(hit.entity) else {
+            continue;
+        };
+        // What its body does in the step is not known yet.
+        let is_dynamic = of.is_some_and(|of| bodies.get(of.body) == Ok(&RigidBody::Dynamic));
+        if !is_dynamic && let Some(point) = surface.following.closest(hit.point1, &mut query) {
+            footing.0.insert(entity, (hit.entity, point));
+        }
+    }
+}
+
+/// After a step: moves characters along with those points.
+pub(super) fn carry(
+    mut characters: Query<(
+        Entity,
+        &mut MorphAvianGround,
+        (&Collider, &Rotation),
+        (Option<&RigidBodyColliders>, Option<&CollisionLayers>),
+        (Has<RigidBody>, Option<&mut Transform>, Option<&ChildOf>),
+    )>,
+    mut surfaces: Query<&mut AvianSurface>,
+    mut places: ParamSet<(MoveAndSlide, Query<&mut Position>)>,
+    globals: Query<&GlobalTransform>,
+    footing: Res<Footing>,
+    stepping: Res<Stepping>,
+    (time, length_unit): (Res<Time<Physics>>, Res<PhysicsLengthUnit>),
+) {
+    if !stepping.has_stepped {
+        return;
+    }
+    let skin = MoveAndSlideConfig::default().skin_width * length_unit.0;
+    for (entity, mut ground, (collider, rotation), (own, layers), (is_body, transform, parent)) in &mut characters {
+        let mut new = MorphAvianGround::default();
+        if let Some(&(surface, point)) = footing.0.get(&entity)
+            && let Ok(mut state) = surfaces.get_mut(surface)
+        {
+            let velocity = state.following.velocity_at(point).unwrap_or_default().as_vec3();
+            new.surface = Some(surface);
+            new.velocity = velocity;
+            let mut filter = sight(entity, own, layers);
+            filter.excluded_entities.insert(surface);
+            let from = places.p1().get(entity).map(|position| position.0);
+            let motion = velocity * time.delta_secs();
+            if let Ok(from) = from
+                && motion != Vec3::ZERO
+                && motion.is_finite()
+            {
+                let shift = slide(&places.p0(), collider, (from, *rotation), motion, skin, &filter);
+                if let Ok(mut position) = places.p1().get_mut(entity) {
+                    position.0 += shift;
+                }
+                // Avian copies positions of bodies back, but not those of other colliders.
+                if !is_body && let Some(mut transform) = transform {
+                    let parent = parent.and_then(|parent| globals.get(parent.parent()).ok());
+                    transform.translation += match parent {
+                        Some(parent) => parent.affine().inverse().transform_vector3(shift),
+                        None => shift,
+                    };
+                }
+            }
+        }
+        ground.set_if_neq(new);
+    }
+}
+
+/// How far a shape moves that slides along what is in its way.
+fn slide(
+    space: &MoveAndSlide,
+    shape: &Collider,
+    (from, rotation): (Vec3, Rotation),
+    motion: Vec3,
+    skin: f32,
+    filter: &SpatialQueryFilter,
+) -> Vec3 {
+    let (mut left, mut moved) = (motion, Vec3::ZERO);
+    for _ in 0..4 {
+        let Some(direction) = left.try_normalize() else { break };
+        let Some(hit) = space.cast_move(shape, from + moved, rotation, left, skin, filter) else {
+            moved += left;
+            break;
+        };
+        let way = direction * hit.distance.min(left.length());
+        moved += way;
+        left -= way;
+        left -= hit.normal1 * left.dot(hit.normal1).min(0.0);
+    }
+    moved
+}

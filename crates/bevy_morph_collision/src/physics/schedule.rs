@@ -1,0 +1,100 @@
+//! Where a physics engine steps, so that this plugin's systems run beside it.
+
+use bevy::app::MainScheduleOrder;
+use bevy::ecs::schedule::{InternedScheduleLabel, InternedSystemSet, NodeId, Schedule, Schedules, SystemSet};
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+use tracing::{error, warn};
+
+use crate::changes::is_fixed;
+
+/// The schedules that have a system in a set.
+pub(crate) fn schedules_with(app: &App, set: impl SystemSet) -> Vec<InternedScheduleLabel> {
+    let set = set.intern();
+    let Some(schedules) = app.world().get_resource::<Schedules>() else {
+        return Vec::new();
+    };
+    let found = schedules.iter().filter(|(_, schedule)| has_system_in(schedule, set));
+    let mut found: Vec<_> = found.map(|(_, schedule)| schedule.label()).collect();
+    // In the same order in every run.
+    found.sort_by_key(|label| format!("{label:?}"));
+    found
+}
+
+fn has_system_in(schedule: &Schedule, set: InternedSystemSet) -> bool {
+    let graph = schedule.graph();
+    let Some(set) = graph.system_sets.get_key(set) else {
+        return false;
+    };
+    let (mut open, mut seen) = (vec![NodeId::Set(set)], HashSet::new());
+    while let Some(node) = open.pop() {
+        if node.is_system() {
+            return true;
+        }
+        if seen.insert(node) {
+            open.extend(graph.hierarchy().graph().neighbors(node));
+        }
+    }
+    false
+}
+
+/// Chooses the schedule for the systems of `plugin`: the one in which `engine` steps. If the game named another one, or if the
+/// engine steps in several, the log says what to write.
+pub(crate) fn choose(
+    found: &[InternedScheduleLabel],
+    named: Option<InternedScheduleLabel>,
+    [plugin, engine]: [&str; 2],
+) -> Option<InternedScheduleLabel> {
+    if let Some(named) = named.filter(|named| found.contains(named)) {
+        return Some(named);
+    }
+    match (found, named) {
+        ([], named) => named,
+        (&[one], None) => Some(one),
+        (&[one], Some(named)) => {
+            warn!(
+                "{plugin}::new({named:?}) runs in {one:?}, because {engine} steps there: write {plugin}::default(), which finds the \
+                 schedule itself"
+            );
+            Some(one)
+        }
+        (several, _) => {
+            error!(
+                "{plugin} does nothing, because {engine} steps in several schedules: {several:?}; name the one with morphing meshes, \
+                 for example {plugin}::new({:?})",
+                several[0]
+            );
+            None
+        }
+    }
+}
+
+/// Whether the fixed schedules are running now.
+#[derive(Resource, Default)]
+pub(crate) struct InFixedLoop(pub(crate) bool);
+
+/// Whether a schedule runs once per fixed time step. `None` if only the first step will show, because the game runs the schedule
+/// itself.
+pub(crate) fn runs_fixed(app: &App, schedule: InternedScheduleLabel) -> Option<bool> {
+    if is_fixed(schedule) {
+        return Some(true);
+    }
+    let order = app.world().get_resource::<MainScheduleOrder>()?;
+    order.labels.contains(&schedule).then_some(false)
+}
+
+/// Keeps [`InFixedLoop`] up to date.
+pub(crate) fn follow_fixed_loop(app: &mut App) {
+    if app.world().contains_resource::<InFixedLoop>() {
+        return;
+    }
+    let set = |now: bool| move |mut inside: ResMut<InFixedLoop>| inside.0 = now;
+    app.init_resource::<InFixedLoop>()
+        .add_systems(FixedFirst, set(true))
+        .add_systems(
+            RunFixedMainLoop,
+            set(false)
+                .after(RunFixedMainLoopSystems::FixedMainLoop)
+                .before(RunFixedMainLoopSystems::AfterFixedMainLoop),
+        );
+}

@@ -80,20 +80,62 @@ impl Seen {
     }
 }
 
-/// The size of boxes.
-pub(crate) fn sizes(quick: bool) -> Result<String, String> {
-    let mut table = String::from(
-        "| model | clip | boxes | ours: median | worst | boxes with a vertex outside | Bevy's: median | worst | boxes with a vertex outside |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for (name, own_rows) in MODELS {
+/// Two instances of a model, one with each way to keep boxes.
+struct Compared {
+    model: Model,
+    stages: [Stage; 2],
+}
+
+impl Compared {
+    fn new(name: &str, place: Transform) -> Result<Self, String> {
         let model = Model::find(name)?;
-        let upright = [Transform::default()];
         let mut stages = [
-            Stage::new(&model, &upright, (), |app| _ = app.add_plugins(MorphBoundsPlugin))?,
-            Stage::new(&model, &upright, (), |_| ())?,
+            Stage::new(&model, &[place], (), |app| _ = app.add_plugins(MorphBoundsPlugin))?,
+            Stage::new(&model, &[place], (), |_| ())?,
         ];
         stages[1].set_dynamic_bounds(true);
-        let clips = stages[0].clip_names();
+        Ok(Self { model, stages })
+    }
+
+    fn clips(&self) -> Vec<String> {
+        self.stages[0].clip_names()
+    }
+
+    /// The number of boxes in all frames of some clips, and the cells of a row about them.
+    fn row(&mut self, clips: &[String], quick: bool) -> Result<String, String> {
+        let mut seen = [Seen::default(), Seen::default()];
+        for clip in clips {
+            let mut length = 0.0;
+            for stage in &mut self.stages {
+                length = stage.play(clip)?;
+            }
+            let frames = (length * 60.0) as usize;
+            let every = if quick { EVERY * 8 } else { EVERY };
+            for frame in 0..frames {
+                for (stage, seen) in self.stages.iter_mut().zip(&mut seen) {
+                    stage.app.update();
+                    if frame % every == 0 {
+                        for part in &stage.parts {
+                            seen.look(stage, &self.model, part);
+                        }
+                    }
+                }
+            }
+        }
+        let [ours, bevys] = &seen;
+        Ok(format!("{} |{}{}", ours.ratios.len(), ours.cells(), bevys.cells()))
+    }
+}
+
+/// A table's columns after the first two.
+const COLUMNS: &str = "boxes | ours: median | worst | boxes with a vertex outside | Bevy's: median | worst | boxes with a vertex outside |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n";
+
+/// The size of boxes of upright characters.
+pub(crate) fn sizes(quick: bool) -> Result<String, String> {
+    let mut table = format!("| model | clip | {COLUMNS}");
+    for (name, own_rows) in MODELS {
+        let mut compared = Compared::new(name, Transform::default())?;
+        let clips = compared.clips();
         let rows: Vec<(String, Vec<String>)> = if own_rows.is_empty() {
             vec![(format!("all {}", clips.len()), clips)]
         } else {
@@ -104,32 +146,29 @@ pub(crate) fn sizes(quick: bool) -> Result<String, String> {
         };
         let bar = progress(rows.len() as u64);
         for (title, clips) in rows {
-            let mut seen = [Seen::default(), Seen::default()];
-            for clip in clips {
-                let mut length = 0.0;
-                for stage in &mut stages {
-                    length = stage.play(&clip)?;
-                }
-                let frames = (length * 60.0) as usize;
-                let every = if quick { EVERY * 8 } else { EVERY };
-                for frame in 0..frames {
-                    for (stage, seen) in stages.iter_mut().zip(&mut seen) {
-                        stage.app.update();
-                        if frame % every == 0 {
-                            for part in &stage.parts {
-                                seen.look(stage, &model, part);
-                            }
-                        }
-                    }
-                }
-            }
-            let [ours, bevys] = &seen;
-            let boxes = ours.ratios.len();
-            let _infallible = writeln!(table, "| {name} | {title} | {boxes} |{}{}", ours.cells(), bevys.cells());
+            let _infallible = writeln!(table, "| {name} | {title} | {}", compared.row(&clips, quick)?);
             bar.inc(1);
         }
         bar.finish_and_clear();
     }
+    Ok(table)
+}
+
+/// The size of boxes of turned characters, over all clips.
+pub(crate) fn turned(quick: bool) -> Result<String, String> {
+    const DEGREES: [f32; 3] = [0.0, 45.0, 90.0];
+    let mut table = format!("| model | turned by | {COLUMNS}");
+    let bar = progress((MODELS.len() * DEGREES.len()) as u64);
+    for (name, _) in MODELS {
+        for degrees in DEGREES {
+            let place = Transform::from_rotation(Quat::from_rotation_y(degrees.to_radians()));
+            let mut compared = Compared::new(name, place)?;
+            let clips = compared.clips();
+            let _infallible = writeln!(table, "| {name} | {degrees}° | {}", compared.row(&clips, quick)?);
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
     Ok(table)
 }
 

@@ -33,13 +33,14 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let quick = options.tables.quick;
-    let sections: [Section<'_>; 7] = [
+    let sections: [Section<'_>; 8] = [
         ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
         ("contact-time", Box::new(move || touching::times(quick))),
         ("contact-answers", Box::new(move || touching::answers(quick))),
         ("picking-time", Box::new(move || picking::times(quick))),
         ("picking-answers", Box::new(move || picking::answers(quick))),
         ("bounds-size", Box::new(move || culling::sizes(quick))),
+        ("bounds-turned", Box::new(move || culling::turned(quick))),
         ("bounds-time", Box::new(move || culling::times(quick))),
     ];
     rewrite(&options.page, &options.tables, &sections)

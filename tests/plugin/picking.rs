@@ -129,3 +129,27 @@ fn a_shell_is_not_picked_from_inside_unless_asked_for() {
     picked.app.world_mut().resource_mut::<MorphPickingSettings>().back_faces = true;
     assert_eq!(picked.over(), [(b, 0.5)]);
 }
+
+#[test]
+fn picks_come_in_the_order_of_hits() {
+    let mut picked = Picked::new();
+    picked.cubes.sort();
+    let [a, b] = picked.cubes;
+    // Nearer by less than a rounding of the distance, and then at the same place.
+    for (scale, first) in [(1.0 + f32::EPSILON, b), (1.0, a)] {
+        let place = Transform::from_scale(Vec3::splat(scale));
+        picked.app.world_mut().entity_mut(b).insert(place);
+        picked.app.world_mut().entity_mut(a).insert(Transform::IDENTITY);
+        for cube in [a, b] {
+            let see_through = Pickable {
+                should_block_lower: false,
+                is_hoverable: true,
+            };
+            picked.app.world_mut().entity_mut(cube).insert(see_through);
+        }
+        picked.app.update();
+        picked.read();
+        let second = if first == a { b } else { a };
+        assert_eq!(picked.over(), [(first, 8.5), (second, 8.5)]);
+    }
+}

@@ -27,9 +27,9 @@ use crate::plugin::TreesPlugin;
 /// changes.
 ///
 /// Bevy transforms the box of a skinned mesh by the mesh's [`GlobalTransform`], although it draws the mesh without it. The plugin
-/// therefore computes the box in that space, where it is looser if the mesh is rotated relative to the world's axes. If the
-/// transform cannot be inverted (scale 0), the box is infinite, and the mesh is never culled. While the transform of a joint is
-/// NaN or infinite, the box stays the same.
+/// therefore computes the box in that space. It is as tight for a character that turns as for one that does not, as long as the
+/// mesh's entity turns with it. If the transform cannot be inverted (scale 0), the box is infinite, and the mesh is never culled.
+/// While the transform of a joint is NaN or infinite, the box stays the same.
 ///
 /// The plugin respects Bevy's opt-outs, [`NoAutoAabb`] and [`NoFrustumCulling`]. You can opt in again, or enable an entity again,
 /// at any time. Meshes whose box this plugin updates lose

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use morph_collision::{ShapeContact, TrianglePair};
+use morph_collision::{Rank, ShapeContact, TrianglePair};
 
 use crate::body_pairs::BodyPairs;
 use crate::changes::Changes;
@@ -140,7 +140,7 @@ pub(crate) fn pair_with_shape(triangle: u32, shape_first: bool) -> TrianglePair 
 impl MorphContactPoint {
     /// Keeps the four deepest triangles that intersect a shape, deepest first.
     pub(crate) fn with_shape(met: &mut [ShapeContact], shape_first: bool) -> Vec<Self> {
-        met.sort_by(|x, y| x.distance.total_cmp(&y.distance).then(x.triangle.cmp(&y.triangle)));
+        met.sort_by_key(|met| Rank::new(met.distance, met.triangle));
         let point = |met: &ShapeContact| Self {
             point: met.point_on_triangle.as_vec3(),
             depth: -met.distance as f32,

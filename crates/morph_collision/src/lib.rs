@@ -73,7 +73,7 @@ pub use model::{Influences, ModelError, MorphModel};
 pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 pub use query::{
     Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,
-    PairMemory, PairQuery, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeCastHit,
+    PairMemory, PairQuery, PlacedShape, QueryStats, Rank, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeCastHit,
     ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch, motion,
     touching_regions,
 };

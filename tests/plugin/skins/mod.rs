@@ -8,6 +8,7 @@
 //! - `bounds`: the `Aabb` that Bevy uses for culling.
 //! - `characters`: real models, compared with brute force.
 //! - `torture`: random lives of meshes and joints.
+//! - `turned`: the `Aabb` of turned characters.
 
 mod bounds;
 mod characters;
@@ -17,6 +18,7 @@ mod instances;
 mod joints;
 mod surface;
 mod torture;
+mod turned;
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::VertexAttributeValues;

@@ -9,10 +9,10 @@ use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use morph_collision::{JointMatrices, MorphBvh, Pose};
+use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
 
 use super::Culled;
-use super::local::{around, around_in};
+use super::local::{UNBOUNDED, around, around_in};
 use crate::import::{MorphTrees, TreeKey};
 use crate::lent_poses::LentPoses;
 use crate::skeletons::{BindPoses, Skeletons};
@@ -48,12 +48,13 @@ pub(super) struct Drawn<'w, 's> {
     made_for: Local<'s, EntityHashMap<MadeFor>>,
 }
 
-/// The input from which the box of a skinned mesh was computed.
+/// The box of a skinned mesh, and the input from which it was computed.
 pub(super) struct MadeFor {
     joints: JointMatrices,
     weights: Vec<f32>,
     tree: Arc<MorphBvh>,
-    world: morph_collision::Aabb,
+    place: GlobalTransform,
+    aabb: Aabb,
     is_used: bool,
 }
 
@@ -65,21 +66,22 @@ impl Drawn<'_, '_> {
             .retain(|_, made_for| std::mem::take(&mut made_for.is_used));
     }
 
-    /// A box around a mesh, and whether it is in world space instead of mesh space. `None` if it is not known what is drawn.
+    /// A box around a mesh in the space of its entity. `None` if it is not known what is drawn.
     fn bounds(
         &mut self,
         entity: Entity,
         key: TreeKey,
         weights: Option<&MeshMorphWeights>,
         skin: Option<&SkinnedMesh>,
-    ) -> Option<(morph_collision::Aabb, bool)> {
+        place: &GlobalTransform,
+    ) -> Option<Aabb> {
         let tree = self.trees.up_to_date(key)?;
         let pose = self.poses.lend(key, tree);
         if !pose.weights().is_empty() {
             take_weights(pose, weights, &self.shared, &mut self.rest).ok()?;
         }
         if pose.joints().is_none() {
-            return Some((pose.bounds(), false));
+            return Some(around(&pose.bounds()));
         }
         let globals = &self.globals;
         let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
@@ -90,30 +92,49 @@ impl Drawn<'_, '_> {
         let joints = skeleton.matrices()?;
         if let Some(made_for) = self.made_for.get_mut(&entity) {
             made_for.is_used = true;
-            if made_for.is_same(pose, joints) {
-                return Some((made_for.world, true));
+            if made_for.is_same(pose, joints, place) {
+                return Some(made_for.aabb);
             }
         }
         pose.set_joints(joints).ok()?;
-        let world = pose.bounds();
-        self.made_for.insert(entity, MadeFor::new(pose, joints, world));
-        Some((world, true))
+        let aabb = match WorldFromModel::new(place.affine()) {
+            Ok(world_from_entity) => around_in(&pose.local_bounds(&world_from_entity), place),
+            Err(_) => UNBOUNDED,
+        };
+        match self.made_for.get_mut(&entity) {
+            Some(made_for) => made_for.set(pose, joints, place, aabb),
+            None => _ = self.made_for.insert(entity, MadeFor::new(pose, joints, place, aabb)),
+        }
+        Some(aabb)
     }
 }
 
 impl MadeFor {
-    fn new(pose: &Pose, joints: &JointMatrices, world: morph_collision::Aabb) -> Self {
+    fn new(pose: &Pose, joints: &JointMatrices, place: &GlobalTransform, aabb: Aabb) -> Self {
         Self {
             joints: joints.clone(),
             weights: pose.weights().to_vec(),
             tree: pose.bvh().clone(),
-            world,
+            place: *place,
+            aabb,
             is_used: true,
         }
     }
 
-    fn is_same(&self, pose: &Pose, joints: &JointMatrices) -> bool {
-        Arc::ptr_eq(&self.tree, pose.bvh()) && self.weights == pose.weights() && self.joints == *joints
+    /// Like [`MadeFor::new`], with the memory that is there.
+    fn set(&mut self, pose: &Pose, joints: &JointMatrices, place: &GlobalTransform, aabb: Aabb) {
+        self.joints.clone_from(joints);
+        pose.weights().clone_into(&mut self.weights);
+        self.tree.clone_from(pose.bvh());
+        self.place = *place;
+        self.aabb = aabb;
+    }
+
+    fn is_same(&self, pose: &Pose, joints: &JointMatrices, place: &GlobalTransform) -> bool {
+        Arc::ptr_eq(&self.tree, pose.bvh())
+            && self.place == *place
+            && self.weights == pose.weights()
+            && self.joints == *joints
     }
 }
 
@@ -128,11 +149,9 @@ pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, 
             }
             continue;
         }
-        let wanted = match drawn.bounds(entity, key, weights, skin) {
-            Some((bounds, false)) => around(&bounds),
-            Some((bounds, true)) => around_in(&bounds, place),
-            // The box stays the same.
-            None => continue,
+        // Otherwise the box stays the same.
+        let Some(wanted) = drawn.bounds(entity, key, weights, skin, place) else {
+            continue;
         };
         if *aabb != wanted {
             *aabb = wanted;

@@ -2,15 +2,17 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use morph_collision::{Aabb, ClosestPoint, InputError, PlacedShape};
+use morph_collision::{Aabb, ClosestPoint, InputError, PlacedShape, Rank};
 
 use super::query::Target;
-use super::rays::{checked_ray, renamed};
+use super::rays::{HitRank, checked_ray, renamed};
 use super::{MorphProjection, MorphQueryFilter, MorphSpatialQuery};
 use crate::contacts::MorphContact;
 
 impl MorphSpatialQuery<'_, '_> {
     /// The closest point on any mesh or in any shape, at most `max_distance` away, which may be infinite.
+    ///
+    /// Among equal distances (before they are rounded to `f32`), the lowest entity wins, and then the lowest triangle.
     #[must_use]
     pub fn project_point(&self, point: Vec3, max_distance: f32, filter: &MorphQueryFilter) -> Option<MorphProjection> {
         self.project_point_predicate(point, max_distance, filter, |_| true)
@@ -28,7 +30,7 @@ impl MorphSpatialQuery<'_, '_> {
         let within = self.valid("project_point", checked_distance(point, max_distance))?;
         let from = point.as_dvec3();
         let near = |bounds: &Aabb| Some(away(bounds, point));
-        let mut best: Option<(Entity, Found)> = None;
+        let mut best: Option<(HitRank, Found)> = None;
         self.walk(filter, &mut predicate, max_distance, near, |queries, entity, target| {
             let limit = best.as_ref().map_or(within, |(_, found)| found.distance);
             let found = match target {
@@ -43,20 +45,16 @@ impl MorphSpatialQuery<'_, '_> {
                 },
                 Target::Shape(shape) => Some(Found::in_shape(shape, from)).filter(|found| found.distance <= limit),
             };
-            let is_closest = |found: &Found| match &best {
-                Some((other, before)) => (found.distance, entity) < (before.distance, *other),
-                None => true,
-            };
+            let found = found.map(|found| (Rank::new(found.distance, (entity, found.triangle())), found));
+            let is_closest = |(rank, _): &(HitRank, _)| best.as_ref().is_none_or(|(closest, _)| rank < closest);
             if let Some(found) = found.filter(is_closest) {
-                best = Some((entity, found));
+                best = Some(found);
             }
             best.as_ref()
                 .map_or(max_distance, |(_, found)| (found.distance as f32).next_up())
         });
-        let (entity, found) = best?;
-        let triangle = found
-            .on_mesh
-            .map_or(MorphContact::NO_TRIANGLE, |closest| closest.triangle);
+        let (rank, found) = best?;
+        let (entity, triangle) = rank.id;
         let barycentrics = found
             .on_mesh
             .map_or(DVec3::ZERO, |closest| DVec3::from_array(closest.barycentrics))
@@ -120,6 +118,11 @@ struct Found {
 }
 
 impl Found {
+    fn triangle(&self) -> u32 {
+        self.on_mesh
+            .map_or(MorphContact::NO_TRIANGLE, |closest| closest.triangle)
+    }
+
     fn in_shape(shape: &PlacedShape, from: DVec3) -> Self {
         let point = shape.closest_point(from);
         Self {

@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use morph_collision::{Aabb, Facing, InputError, PlacedShape, Ray, RayHit, ShapeImpact};
+use morph_collision::{Aabb, Facing, InputError, PlacedShape, Rank, Ray, RayHit, ShapeImpact};
 
 use super::query::Target;
 use super::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
@@ -14,17 +14,40 @@ enum Met {
     Shape(ShapeImpact),
 }
 
-impl Met {
-    fn distance(&self) -> f64 {
-        match self {
-            Self::Triangle(hit) => hit.distance,
-            Self::Shape(impact) => impact.distance,
+/// A hit and its place among all hits of a ray.
+struct Ranked {
+    /// By the parameter of the ray: it is the same for all surfaces that the ray hits at the same point. Distances are products with
+    /// the length of the direction, so different parameters may have the same distance.
+    rank: HitRank,
+    met: Met,
+}
+
+/// Hits of the same distance come in the order of their entities, and then of their triangles.
+pub(super) type HitRank = Rank<(Entity, u32)>;
+
+impl Ranked {
+    fn triangle(entity: Entity, hit: RayHit) -> Self {
+        Self {
+            rank: Rank::new(hit.t, (entity, hit.triangle)),
+            met: Met::Triangle(hit),
+        }
+    }
+
+    fn shape(entity: Entity, impact: ShapeImpact, direction: Dir3) -> Self {
+        let length = direction.as_dvec3().length();
+        let t = impact.distance / length;
+        // Distances have to be in the order of the parameters.
+        let distance = t * length;
+        Self {
+            rank: Rank::new(t, (entity, MorphContact::NO_TRIANGLE)),
+            met: Met::Shape(ShapeImpact { distance, ..impact }),
         }
     }
 }
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The first hit of a ray, at most `max_distance` away, which may be infinite.
+    /// The first hit of a ray, at most `max_distance` away, which may be infinite. It is the first one of
+    /// [`MorphSpatialQuery::ray_hits`].
     #[must_use]
     pub fn cast_ray(
         &self,
@@ -49,40 +72,40 @@ impl MorphSpatialQuery<'_, '_> {
         let (mut ray, point) = self.valid("cast_ray", checked_ray(origin, direction, max_distance))?;
         let mut within = max_distance;
         let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
-        let mut best: Option<(Entity, Met)> = None;
+        let mut first: Option<Ranked> = None;
         self.walk(
             filter,
             &mut predicate,
             max_distance,
             enters,
             |queries, entity, target| {
-                let met = match target {
+                let hit = match target {
                     Target::Mesh(body) => queries
                         .ray
                         .closest_where(body, &ray, |hit| filter.sees(hit))
-                        .map(Met::Triangle),
-                    Target::Shape(shape) => meets_shape(&point, direction, within, shape),
+                        .map(|hit| Ranked::triangle(entity, hit)),
+                    Target::Shape(shape) => meets_shape(&point, direction, within, shape)
+                        .map(|impact| Ranked::shape(entity, impact, direction)),
                 };
-                let is_first = |met: &Met| match &best {
-                    Some((other, before)) => (met.distance(), entity) < (before.distance(), *other),
-                    None => true,
-                };
-                if let Some(met) = met.filter(is_first) {
-                    // Hits at the same distance may differ by rounding.
-                    within = ((met.distance() * (1.0 + 1e-6)) as f32).next_up().min(max_distance);
+                let is_first = |hit: &Ranked| first.as_ref().is_none_or(|first| hit.rank < first.rank);
+                if let Some(hit) = hit.filter(is_first) {
+                    // A margin for the roundings of other hits, and for a direction whose length is not quite 1.
+                    within = ((hit.rank.distance * (1.0 + 1e-6)) as f32).next_up().min(max_distance);
                     if let Ok((shorter, _)) = checked_ray(origin, direction, within) {
                         ray = shorter;
                     }
-                    best = Some((entity, met));
+                    first = Some(hit);
                 }
                 within
             },
         );
-        best.map(|(entity, met)| self.ray_hit(entity, &met))
+        first.map(|hit| self.ray_hit(&hit))
     }
 
-    /// All hits of a ray: every triangle of meshes, and shapes where the ray enters them. Sorted by distance, then by entity and
-    /// triangle.
+    /// All hits of a ray: every triangle of meshes, and shapes where the ray enters them.
+    ///
+    /// Sorted by distance before it is rounded to `f32`, then by entity, then by triangle. Meshes whose surfaces coincide are at exactly
+    /// the same distance.
     #[must_use]
     pub fn ray_hits(
         &self,
@@ -108,7 +131,7 @@ impl MorphSpatialQuery<'_, '_> {
             return Vec::new();
         };
         let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
-        let mut all: Vec<(Entity, Met)> = Vec::new();
+        let mut all: Vec<Ranked> = Vec::new();
         self.walk(
             filter,
             &mut predicate,
@@ -120,25 +143,22 @@ impl MorphSpatialQuery<'_, '_> {
                         queries.hits.clear();
                         queries.ray.all(body, &ray, &mut queries.hits);
                         let seen = queries.hits.drain(..).filter(|hit| filter.sees(hit));
-                        all.extend(seen.map(|hit| (entity, Met::Triangle(hit))));
+                        all.extend(seen.map(|hit| Ranked::triangle(entity, hit)));
                     }
                     Target::Shape(shape) => {
-                        let met = meets_shape(&point, direction, max_distance, shape);
-                        all.extend(met.map(|met| (entity, met)));
+                        let impact = meets_shape(&point, direction, max_distance, shape);
+                        all.extend(impact.map(|impact| Ranked::shape(entity, impact, direction)));
                     }
                 }
                 max_distance
             },
         );
-        let mut all: Vec<_> = all.iter().map(|(entity, met)| self.ray_hit(*entity, met)).collect();
-        all.sort_by(|x, y| {
-            let place = x.distance.total_cmp(&y.distance);
-            place.then(x.entity.cmp(&y.entity)).then(x.triangle.cmp(&y.triangle))
-        });
-        all
+        all.sort_unstable_by_key(|hit| hit.rank);
+        all.iter().map(|hit| self.ray_hit(hit)).collect()
     }
 
-    fn ray_hit(&self, entity: Entity, met: &Met) -> MorphRayHit {
+    fn ray_hit(&self, Ranked { rank, met }: &Ranked) -> MorphRayHit {
+        let (entity, _) = rank.id;
         match met {
             Met::Triangle(hit) => {
                 let barycentrics = DVec3::from_array(hit.barycentrics).as_vec3();
@@ -187,13 +207,13 @@ pub(super) fn renamed(mut error: InputError, from: &str, to: &str) -> InputError
 }
 
 /// Where a point enters a solid shape. From inside, it hits at once and has no normal.
-fn meets_shape(point: &PlacedShape, direction: Dir3, max_distance: f32, shape: &PlacedShape) -> Option<Met> {
+fn meets_shape(point: &PlacedShape, direction: Dir3, max_distance: f32, shape: &PlacedShape) -> Option<ShapeImpact> {
     let impact = point
         .cast(direction.as_dvec3(), f64::from(max_distance), shape)
         .ok()??;
     let starts_inside = point.meets(shape);
     let normal = if starts_inside { DVec3::ZERO } else { impact.normal };
-    Some(Met::Shape(ShapeImpact { normal, ..impact }))
+    Some(ShapeImpact { normal, ..impact })
 }
 
 /// A lower bound of the distance at which a ray enters a box; `None` if it certainly misses it.

@@ -1,10 +1,10 @@
 //! Queries with solid shapes: intersections and casts.
 
 use bevy::prelude::*;
-use morph_collision::{Aabb, InputError, PlacedShape, ShapeImpact};
+use morph_collision::{Aabb, InputError, PlacedShape, Rank, ShapeImpact};
 
 use super::query::Target;
-use super::rays::{checked_ray, enters};
+use super::rays::{HitRank, checked_ray, enters};
 use super::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
 use crate::contacts::MorphContact;
 use crate::shape::MorphShape;
@@ -54,7 +54,8 @@ impl MorphSpatialQuery<'_, '_> {
     /// The first collider that a solid shape touches while it moves without rotating, at most by `max_distance`, which may be
     /// infinite.
     ///
-    /// Colliders that the shape touches at the start are at distance 0.
+    /// Colliders that the shape touches at the start are at distance 0. Among equal distances (before they are rounded to `f32`), the
+    /// lowest entity wins, and then the lowest triangle.
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -104,15 +105,16 @@ impl MorphSpatialQuery<'_, '_> {
             };
             enters(&grown, origin, *direction, max_distance)
         };
-        let mut best: Option<MorphShapeHit> = None;
-        let mut limit = max_distance;
+        let mut first: Option<(HitRank, ShapeImpact)> = None;
         self.walk(
             filter,
             &mut predicate,
             max_distance,
             reaches,
             |queries, entity, target| {
-                let within = f64::from(limit);
+                let within = first
+                    .as_ref()
+                    .map_or(f64::from(max_distance), |(_, impact)| impact.distance);
                 let hit = match target {
                     Target::Mesh(body) => match queries.shape.cast(body, &shape, way, within) {
                         Ok(Some(hit)) => Some((hit.triangle, hit.impact)),
@@ -123,24 +125,22 @@ impl MorphSpatialQuery<'_, '_> {
                         _ => None,
                     },
                 };
-                let hit = hit.map(|(triangle, impact)| MorphShapeHit::new(entity, triangle, &impact));
-                let is_first = |hit: &MorphShapeHit| match &best {
-                    Some(before) => (hit.distance, entity) < (before.distance, before.entity),
-                    None => true,
-                };
+                let hit = hit.map(|(triangle, impact)| (Rank::new(impact.distance, (entity, triangle)), impact));
+                let is_first = |(rank, _): &(HitRank, _)| first.as_ref().is_none_or(|(first, _)| rank < first);
                 if let Some(hit) = hit.filter(is_first) {
-                    limit = hit.distance.next_up().min(max_distance);
-                    best = Some(hit);
+                    first = Some(hit);
                 }
-                limit
+                first.as_ref().map_or(max_distance, |(_, impact)| {
+                    (impact.distance as f32).next_up().min(max_distance)
+                })
             },
         );
-        best
+        first.map(|(rank, impact)| MorphShapeHit::new(rank.id, &impact))
     }
 }
 
 impl MorphShapeHit {
-    fn new(entity: Entity, triangle: u32, impact: &ShapeImpact) -> Self {
+    fn new((entity, triangle): (Entity, u32), impact: &ShapeImpact) -> Self {
         Self {
             entity,
             distance: impact.distance as f32,

@@ -45,6 +45,15 @@ impl Aabb {
         }
     }
 
+    /// What both boxes contain. They must overlap.
+    #[inline]
+    pub(crate) fn intersection(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
     /// Whether the boxes share a point; touching counts.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {

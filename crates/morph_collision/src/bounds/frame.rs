@@ -194,12 +194,24 @@ fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, 
 /// Sets `frame` to the map from the source's space to the target's; returns false if the target's map has no safe inverse.
 #[inline]
 pub(super) fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut Frame) -> bool {
-    let Some(inverse) = target.world_from_model.inverse() else {
+    relative_to(&target.world_from_model, target.error, source, frame)
+}
+
+/// The map from the source's space to the model space of `to`; `None` if there is none that `f32` can represent.
+pub(crate) fn map_into(to: &WorldFromModel, source: &PlacedBounds) -> Option<BoxMap> {
+    let mut frame = Frame::default();
+    let exists = relative_to(to, 0.0, source, &mut frame);
+    exists.then(|| BoxMap::new(&frame)).flatten()
+}
+
+#[inline]
+fn relative_to(to: &WorldFromModel, error: f64, source: &PlacedBounds, frame: &mut Frame) -> bool {
+    let Some(inverse) = to.inverse() else {
         return false;
     };
-    let (to, from) = (&target.world_from_model, &source.world_from_model);
+    let from = &source.world_from_model;
     let offset = from.translation() - to.translation();
-    let world_error = target.error + source.error;
+    let world_error = error + source.error;
     let reach = (source.spread + offset.abs()).max_element();
     frame.linear = inverse.linear * from.linear();
     frame.translation = inverse.linear * offset;

@@ -25,7 +25,7 @@ pub use aabb::Aabb;
 pub(crate) use box_lanes::BoxLanes;
 pub(crate) use box_map::BoxMap;
 pub(crate) use extent::Extent;
-pub(crate) use frame::{Frame, PlacedBounds, visit_frames, world_map};
+pub(crate) use frame::{Frame, PlacedBounds, map_into, visit_frames, world_map};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use intervals::{Intervals, intervals_len, push_intervals};
 pub(crate) use joint_map::{Ends, JointMap, MapFrame};

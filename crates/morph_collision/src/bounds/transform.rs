@@ -85,6 +85,11 @@ impl WorldFromModel {
         self.inverse_norm() * (radius + offset) * (1.0 + 1e-9)
     }
 
+    /// The world's origin in model space, up to a few roundings.
+    pub(crate) fn model_origin(&self) -> DVec3 {
+        self.inverse_linear() * -self.translation
+    }
+
     /// Takes a world-space point to model space. Also returns the error bound along each axis.
     pub(crate) fn model_point(&self, world: DVec3) -> (DVec3, f64) {
         let offset = world - self.translation;
@@ -106,6 +111,14 @@ impl WorldFromModel {
     pub fn transform_point(&self, point: Vec3) -> DVec3 {
         let p = point.as_dvec3();
         ((self.linear.x_axis * p.x + self.linear.y_axis * p.y) + self.linear.z_axis * p.z) + self.translation
+    }
+
+    /// A bound, along each axis, on the error of an exact world point in model space: its own error in the world is at most `world_error`,
+    /// and its image is computed from numbers up to `reach` with at most 24 roundings. `None` if there is no inverse.
+    pub(crate) fn model_error(&self, reach: f64, world_error: f64) -> Option<DVec3> {
+        let inverse = self.inverse.as_ref()?;
+        let all = 2.0 * (world_error + 16.0 * U64 * reach);
+        Some(inverse.rows * all + DVec3::splat(inverse.error * (reach + world_error)))
     }
 
     /// Takes a model-space normal to world space. Its length is scaled like the area of its surface, so an area-weighted normal

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use dashu_int::IBig;
-use dashu_int::ops::BitTest;
+use dashu_int::ops::{BitTest, DivRem};
 
 use super::number::{Number, power_of_two};
 
@@ -22,17 +22,35 @@ impl Dyadic {
         self.mantissa.cmp(&IBig::ZERO)
     }
 
-    /// The quotient, up to a few roundings. The operands may be outside the range of `f64`.
+    /// The quotient, rounded to the nearest `f64`; below the range of normal numbers, rounded twice. The operands may be outside the
+    /// range of `f64`. Dividing by zero gives what it does for `f64`s.
+    ///
+    /// A larger exact quotient never gives a smaller result.
     pub(crate) fn over(&self, divisor: &Self) -> f64 {
-        let ((a, a_exponent), (b, b_exponent)) = (self.leading(), divisor.leading());
-        scaled(a / b, a_exponent - b_exponent)
-    }
-
-    /// The first 62 bits of the mantissa, which fit an `i64`, rounded to `f64`, and their exponent.
-    fn leading(&self) -> (f64, i64) {
-        let dropped = self.mantissa.bit_len().saturating_sub(62);
-        let leading = i64::try_from(&self.mantissa >> dropped).unwrap_or(0);
-        (leading as f64, self.exponent + dropped as i64)
+        if divisor.mantissa.is_zero() {
+            return match self.order() {
+                Ordering::Less => f64::NEG_INFINITY,
+                Ordering::Equal => f64::NAN,
+                Ordering::Greater => f64::INFINITY,
+            };
+        }
+        // The quotient of whole numbers gets 65 or 66 bits. The last one stands for all digits below, so that rounding sees them.
+        let shift = 65 + divisor.mantissa.bit_len() as i64 - self.mantissa.bit_len() as i64;
+        let (dividend, by) = if shift >= 0 {
+            (&self.mantissa << shift as usize, divisor.mantissa.clone())
+        } else {
+            (self.mantissa.clone(), &divisor.mantissa << -shift as usize)
+        };
+        let (quotient, rest) = dividend.div_rem(by);
+        let digits = i128::try_from(quotient).unwrap_or(0);
+        let magnitude = digits.unsigned_abs() | u128::from(!rest.is_zero());
+        let is_negative = (self.order() == Ordering::Less) != (divisor.order() == Ordering::Less);
+        let rounded = if is_negative {
+            -(magnitude as f64)
+        } else {
+            magnitude as f64
+        };
+        scaled(rounded, self.exponent - divisor.exponent - shift)
     }
 }
 
@@ -110,10 +128,6 @@ impl Number for Dyadic {
     fn sign(&self) -> Option<Ordering> {
         Some(self.order())
     }
-
-    fn ratio(&self, divisor: &Self) -> Option<f64> {
-        Some(self.over(divisor))
-    }
 }
 
 /// `value * 2^exponent`, in steps that stay in range as long as the result does.
@@ -151,7 +165,8 @@ mod tests {
             let truth = a * b * c - d * a * b;
             prop_assert_eq!(value.order(), truth.cmp(&0));
             let cube = Dyadic::new(unit).times(&Dyadic::new(unit)).times(&Dyadic::new(unit));
-            prop_assert!((value.over(&cube) - truth as f64).abs() <= (truth as f64).abs() * 4.0 * f64::EPSILON);
+            // The conversion rounds to the nearest `f64`, too.
+            prop_assert_eq!(value.over(&cube), truth as f64);
         }
 
         #[test]
@@ -184,5 +199,26 @@ mod tests {
         let (large, small) = (Dyadic::new(f64::MAX), Dyadic::new(5e-324));
         assert_eq!(large.over(&small), f64::INFINITY);
         assert_eq!(small.over(&large), 0.0);
+        let zero = Dyadic::new(0.0);
+        assert_eq!(Dyadic::new(-1.0).over(&zero), f64::NEG_INFINITY);
+        assert!(zero.over(&zero).is_nan());
+        assert_eq!(zero.over(&Dyadic::new(-1.0)), 0.0);
+    }
+
+    #[test]
+    fn quotients_are_rounded_to_the_nearest_f64() {
+        let over = |a: &[f64], b: f64| {
+            let sum = a.iter().fold(Dyadic::new(0.0), |sum, x| sum.plus(&Dyadic::new(*x)));
+            sum.over(&Dyadic::new(b))
+        };
+        let (half, tiny) = (0.5 * f64::EPSILON, power_of_two(-200));
+        // Halfway between two numbers: the even one. Anything above or below halfway, however little: the nearer one.
+        assert_eq!(over(&[1.0, half], 1.0), 1.0);
+        assert_eq!(over(&[1.0, half, tiny], 1.0), 1.0 + f64::EPSILON);
+        assert_eq!(over(&[1.0, 3.0 * half], 1.0), 1.0 + 2.0 * f64::EPSILON);
+        assert_eq!(over(&[1.0, 3.0 * half, -tiny], -1.0), -1.0 - f64::EPSILON);
+        for (a, b) in [(1.0, 3.0), (2.0, 3.0), (-7.0, 0.1), (5e-324, 3.0), (0.3, -0.7)] {
+            assert_eq!(over(&[a], b), a / b);
+        }
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! - A `filter` in `f64` with an error bound decides most pairs of triangles; adaptive `predicates` decide the rest.
 //! - Tests that need other polynomials (`ray`, `region`) are generic over [`Number`](number::Number). They run with error bounds
-//!   first, and in exact arithmetic (`dyadic`) if that leaves a sign open.
+//!   first, and in exact arithmetic (`dyadic`) if that leaves a sign open. Quotients are rounded correctly (`double_double`).
 //! - [`motion`] decides whether moving points, edges and triangles touch, and when.
 //! - Points and lengths (`closest`, `contact`) are `f64`, with stated errors.
 
 mod closest;
 mod contact;
+mod double_double;
 mod dyadic;
 mod filter;
 pub(crate) mod motion;
@@ -25,7 +26,7 @@ pub(crate) use closest::{
 pub use contact::{TriangleContact, triangle_contact};
 pub(crate) use contact::{common_segment, unit_normal};
 pub(crate) use filter::Facet;
-pub(crate) use number::{VALUE_ERROR, largest, power_of_two, power_of_two_below};
+pub(crate) use number::{largest, power_of_two, power_of_two_below};
 pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};

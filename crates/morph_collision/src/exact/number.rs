@@ -35,7 +35,7 @@ pub(crate) fn power_of_two_below(value: f64) -> f64 {
 
 /// A number that knows whether its sign is certain.
 ///
-/// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign or value that is not certain. It runs
+/// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign that is not certain. It runs
 /// with [`Approx`] first. If that returns `None`, it runs with [`Dyadic`](super::dyadic::Dyadic), which is always certain.
 pub(crate) trait Number: Clone {
     /// The number `value`, which must be finite.
@@ -44,14 +44,7 @@ pub(crate) trait Number: Clone {
     fn minus(&self, other: &Self) -> Self;
     fn times(&self, other: &Self) -> Self;
     fn sign(&self) -> Option<Ordering>;
-    /// The quotient, with a relative error of at most three [`VALUE_ERROR`]s.
-    fn ratio(&self, divisor: &Self) -> Option<f64>;
 }
-
-/// The largest relative error of a dividend or divisor of [`Number::ratio`].
-///
-/// Not measured. It amounts to thousands of roundings, so exact arithmetic is rare, and is far too small for a caller to notice.
-pub(crate) const VALUE_ERROR: f64 = 1e-12;
 
 /// An `f64` and a bound on its error.
 #[derive(Clone, Copy, Debug)]
@@ -103,12 +96,6 @@ impl Number for Approx {
     fn sign(&self) -> Option<Ordering> {
         let is_certain = self.value.abs() > self.error || self.error == 0.0;
         if is_certain { self.value.partial_cmp(&0.0) } else { None }
-    }
-
-    #[inline]
-    fn ratio(&self, divisor: &Self) -> Option<f64> {
-        let is_known = |n: &Self| n.error <= n.value.abs() * VALUE_ERROR;
-        (is_known(self) && is_known(divisor)).then(|| self.value / divisor.value)
     }
 }
 
@@ -198,16 +185,5 @@ mod tests {
             .minus(&Approx::new(1.0));
         assert_eq!(lost.minus(&lost).sign(), None);
         assert_eq!(Approx::new(1e-200).times(&Approx::new(1e-200)).sign(), None);
-    }
-
-    #[test]
-    fn quotients_are_given_where_both_numbers_are_accurate() {
-        let exact = Approx::new(3.0);
-        let rough = Approx::new(1.0)
-            .plus(&Approx::new(16.0 * UNIT_ROUNDOFF))
-            .minus(&Approx::new(1.0));
-        assert_eq!(exact.ratio(&Approx::new(1.5)), Some(2.0));
-        assert_eq!(exact.ratio(&rough), None);
-        assert_eq!(rough.ratio(&exact), None);
     }
 }

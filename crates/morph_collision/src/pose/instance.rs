@@ -188,10 +188,24 @@ impl Pose {
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut posed = self.posed_at(world_from_model);
         let of_nodes = posed.world_bounds();
-        posed.hull_of_joints().map_or(of_nodes, |of_joints| Aabb {
-            min: of_nodes.min.max(of_joints.min),
-            max: of_nodes.max.min(of_joints.max),
-        })
+        let of_joints = posed.hull_of_joints();
+        of_joints.map_or(of_nodes, |of_joints| of_nodes.intersection(&of_joints))
+    }
+
+    /// Returns a conservative box around the posed mesh in the model space of an entity at `world_from_model`. Use it for culling.
+    ///
+    /// For a mesh without joints it is [`Pose::bounds`], wherever the entity is. The vertices of a skinned mesh are in world space; the
+    /// box contains the exact point of model space that `world_from_model` takes to each of them. Rotating a character together with its
+    /// entity does not make the box larger, as it does with [`Pose::world_bounds`]. The box is infinite if `world_from_model` cannot be
+    /// inverted. Cost: that of [`Pose::bounds`], plus a product of two matrices per joint.
+    pub fn local_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
+        if self.skinning.is_none() {
+            return self.bounds();
+        }
+        let mut posed = self.posed();
+        let of_nodes = posed.bounds_in(world_from_model);
+        let of_joints = posed.hull_of_joints_in(world_from_model);
+        of_joints.map_or(of_nodes, |of_joints| of_nodes.intersection(&of_joints))
     }
 
     /// Returns a conservative box in world space that is as cheap as possible, for a broad phase.

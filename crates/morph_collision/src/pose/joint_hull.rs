@@ -1,4 +1,5 @@
-//! A box in world space around a skinned body, from one box per joint. A broad phase needs it before any node is blended.
+//! A box around a skinned body in the world or in another space, from one box per joint. A broad phase needs it before any node is
+//! blended.
 
 use std::ops::RangeInclusive;
 
@@ -8,7 +9,7 @@ use glam::DVec3;
 
 use super::blend::blend_group;
 use super::skin_blend::MAX_REACH;
-use crate::bounds::{Aabb, BoxLanes, Extent, with_simd};
+use crate::bounds::{Aabb, BoxLanes, Extent, LANES, MapFrame, WorldFromModel, with_simd};
 use crate::joints::{Columns, JointMatrices};
 use crate::model::Weights;
 use crate::tree::JointBoxes;
@@ -33,7 +34,7 @@ impl JointHull {
         size_of_val(&*self.boxes)
     }
 
-    /// A box that contains every vertex, exact or rounded.
+    /// A box in world space that contains every vertex, exact or rounded.
     ///
     /// A vertex is the sum of its weights, which is in `sums`, times a point in the hull of its joints' images. `error` bounds the
     /// rounding error of vertices; it is larger than the rounding errors here.
@@ -48,22 +49,36 @@ impl JointHull {
         if !self.is_bounded(level, tables, weights) {
             return Aabb::UNBOUNDED;
         }
-        let mut hull = Extent::EMPTY;
-        for ((moved, _), boxes) in tables.blocks().zip(&self.boxes) {
-            let of_block = with_simd!(level, simd => images(simd, moved, boxes, joints));
-            hull = hull.union(of_block);
+        let hull = self.hull(level, tables, joints, None);
+        pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
+    }
+
+    /// Like [`JointHull::around`], in the model space of `space`. The box contains the exact preimage of every vertex. It is infinite if
+    /// `space` cannot be inverted.
+    pub(super) fn around_in(
+        &mut self,
+        level: Level,
+        tables: &JointBoxes,
+        weights: &Weights,
+        joints: &JointMatrices,
+        (sums, error): (RangeInclusive<f64>, f64),
+        space: &WorldFromModel,
+    ) -> Aabb {
+        if !self.is_bounded(level, tables, weights) {
+            return Aabb::UNBOUNDED;
         }
-        let (least, most) = sums.into_inner();
-        if least <= 0.0 {
-            // There may be vertices without influences; they are at the origin.
-            hull = hull.union(Extent::point(DVec3::ZERO));
-        }
-        let pad = DVec3::splat(2.0 * error);
-        let scaled = Extent {
-            min: (hull.min * least).min(hull.min * most) - pad,
-            max: (hull.max * least).max(hull.max * most) + pad,
+        let reach = joints.world_reach(f64::from(self.reach)) + space.translation().abs().max_element();
+        let Some(rounding) = space.model_error(reach * sums.end().max(1.0), error) else {
+            return Aabb::UNBOUNDED;
         };
-        scaled.outward()
+        let hull = self.hull(level, tables, joints, Some(&MapFrame::new(space)));
+        pulled(hull, space.model_origin(), sums, rounding)
+    }
+
+    /// The hull of the boxes' images under their joints, in world space or in another frame.
+    fn hull(&self, level: Level, tables: &JointBoxes, joints: &JointMatrices, frame: Option<&MapFrame>) -> Extent {
+        let blocks = tables.joints().zip(&self.boxes);
+        with_simd!(level, simd => images(simd, blocks, joints, frame))
     }
 
     /// The boxes; `None` if coordinates are too large to compute with.
@@ -89,15 +104,49 @@ impl JointHull {
     }
 }
 
-/// The hull of the images of up to eight boxes, each under its joint.
+/// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight
+/// pulls a vertex towards the origin of the world, or pushes it away from it.
+fn pulled(hull: Extent, origin: DVec3, sums: RangeInclusive<f64>, by: DVec3) -> Aabb {
+    let (least, most) = sums.into_inner();
+    let (mut min, mut max) = (hull.min - origin, hull.max - origin);
+    if least <= 0.0 {
+        // There may be vertices without influences; they are at the origin.
+        (min, max) = (min.min(DVec3::ZERO), max.max(DVec3::ZERO));
+    }
+    let scaled = Extent {
+        min: origin + (min * least).min(min * most) - by,
+        max: origin + (max * least).max(max * most) + by,
+    };
+    scaled.outward()
+}
+
+/// The hull of the images of boxes, each under its joint, in world space or in another frame. The boxes come with their joints, eight at a
+/// time.
 #[inline(always)]
-fn images<S: Simd>(simd: S, moved: &[u16], boxes: &BoxLanes, joints: &JointMatrices) -> Extent {
+fn images<'b, S: Simd>(
+    simd: S,
+    blocks: impl Iterator<Item = (&'b [u16], &'b BoxLanes)>,
+    joints: &JointMatrices,
+    frame: Option<&MapFrame>,
+) -> Extent {
     let mut min = f64x4::splat(simd, f64::INFINITY);
     let mut max = f64x4::splat(simd, f64::NEG_INFINITY);
-    for (lane, &joint) in moved.iter().enumerate() {
-        let (center, radius) = image(simd, &boxes.get(lane), joints.padded(joint));
-        min = min.min(center - radius);
-        max = max.max(center + radius);
+    for (moved, boxes) in blocks {
+        let (centers, halves) = centers_and_halves(simd, boxes);
+        for (lane, &joint) in moved.iter().enumerate() {
+            let joint = joints.padded(joint);
+            let columns = match frame {
+                Some(frame) => frame.joint(simd, joint),
+                None => loaded(simd, joint),
+            };
+            let [mut center, mut radius] = [columns[3], f64x4::splat(simd, 0.0)];
+            for axis in 0..3 {
+                center += columns[axis] * f64x4::splat(simd, centers[axis][lane % LANES]);
+                radius += columns[axis].abs() * f64x4::splat(simd, halves[axis][lane % LANES]);
+            }
+            min = min.min(center - radius);
+            max = max.max(center + radius);
+        }
     }
     let (mut low, mut high) = ([0.0; 4], [0.0; 4]);
     min.store_slice(&mut low);
@@ -108,19 +157,32 @@ fn images<S: Simd>(simd: S, moved: &[u16], boxes: &BoxLanes, joints: &JointMatri
     }
 }
 
-/// The centre and half size of a box's image.
 #[inline(always)]
-fn image<S: Simd>(simd: S, of: &Aabb, [x, y, z, translation]: &Columns) -> (f64x4<S>, f64x4<S>) {
-    let (min, max) = (of.min.as_dvec3(), of.max.as_dvec3());
-    let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
-    let mut middle = f64x4::from_slice(simd, translation);
-    let mut radius = f64x4::splat(simd, 0.0);
-    for (column, along, extent) in [(x, center.x, half.x), (y, center.y, half.y), (z, center.z, half.z)] {
-        let column = f64x4::from_slice(simd, column);
-        middle += column * f64x4::splat(simd, along);
-        radius += column.abs() * f64x4::splat(simd, extent);
+fn loaded<S: Simd>(simd: S, [x, y, z, translation]: &Columns) -> [f64x4<S>; 4] {
+    [
+        f64x4::from_slice(simd, x),
+        f64x4::from_slice(simd, y),
+        f64x4::from_slice(simd, z),
+        f64x4::from_slice(simd, translation),
+    ]
+}
+
+/// The centres and half sizes of eight boxes, by axis.
+#[inline(always)]
+fn centers_and_halves<S: Simd>(simd: S, boxes: &BoxLanes) -> ([[f64; LANES]; 3], [[f64; LANES]; 3]) {
+    let half = f64x4::splat(simd, 0.5);
+    let (mut centers, mut halves) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+    for axis in 0..3 {
+        let (min, high_min) = boxes.min[axis].load(simd).widen();
+        let (max, high_max) = boxes.max[axis].load(simd).widen();
+        let (center, high_center) = centers[axis].split_at_mut(LANES / 2);
+        ((min + max) * half).store_slice(center);
+        ((high_min + high_max) * half).store_slice(high_center);
+        let (half_size, high_half_size) = halves[axis].split_at_mut(LANES / 2);
+        ((max - min) * half).store_slice(half_size);
+        ((high_max - high_min) * half).store_slice(high_half_size);
     }
-    (middle, radius)
+    (centers, halves)
 }
 
 #[cfg(test)]

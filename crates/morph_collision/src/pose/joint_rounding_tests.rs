@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::Pose;
@@ -188,6 +188,50 @@ impl Case {
             sum
         })
     }
+}
+
+/// Whether the boxes of whole bodies, as spaces see them, contain the exact preimages of all vertices.
+#[test]
+fn boxes_in_other_spaces_hold_exact_preimages() {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let (mut checked, mut closest) = (0, f64::INFINITY);
+    for form in [Form::Rigid, Form::Smooth, Form::Rounded, Form::Free] {
+        for i in 0..60 {
+            let numbers = start(i, &mut rng);
+            let Some(mut case) = case(form, &numbers) else {
+                continue;
+            };
+            case.pose.set_joints(&case.joints[1]).unwrap();
+            // Coordinates of the mesh, and some far larger than that.
+            let reach = numbers[numbers.len() - VERTEX].abs() * [1.0, 1e3][i % 2] + f32::MIN_POSITIVE;
+            let mut space: [f32; MATRIX] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+            (0..3).for_each(|i| space[4 * i] += 1.5);
+            space[9..].iter_mut().for_each(|t| *t *= reach);
+            let Ok(place) = WorldFromModel::new(Affine3A::from_cols_array(&space)) else {
+                continue;
+            };
+            let bounds = case.pose.local_bounds(&place);
+            let columns = frame_columns(&place);
+            let (rows, determinant) = adjugate(&columns);
+            for vertex in 0..VERTICES as u32 {
+                for point in case.world_points(vertex) {
+                    for axis in 0..3 {
+                        let offset = |c: usize| point[c].clone() - Dyadic::from(columns[3][c]);
+                        let along = (0..3).map(|c| rows[axis][c].clone() * offset(c)).sum::<Dyadic>();
+                        let [low, high] =
+                            [bounds.min, bounds.max].map(|end| Dyadic::from(end[axis]) * determinant.clone());
+                        let room = (along.clone() - low).min(high - along);
+                        assert!(!room.is_negative(), "{form:?} {i}: {bounds:?} of {numbers:?} in {space:?}");
+                        let size = Dyadic::from(bounds.size().max_element()) * determinant.clone();
+                        closest = closest.min(room.ratio(&size));
+                        checked += 1;
+                    }
+                }
+            }
+        }
+    }
+    println!("{checked} checked, closest at {closest:e} of the size");
+    assert!(checked > 3000 && closest < 1e-5, "{checked} {closest}");
 }
 
 fn start(i: usize, rng: &mut Pcg64Mcg) -> Vec<f32> {

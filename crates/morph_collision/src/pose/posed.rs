@@ -5,7 +5,7 @@ use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
 use super::skinning::Skinning;
 use super::standing::Standing;
-use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd, world_map};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, LANES, WorldFromModel, map_into, with_simd, world_map};
 use crate::exact::Triangle;
 use crate::model::{MorphModel, Weights};
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, gather};
@@ -139,7 +139,18 @@ impl Posed<'_> {
 
     /// A box in world space; infinite if coordinates exceed the range of `f32`.
     pub(super) fn world_bounds(&mut self) -> Aabb {
-        let Some(map) = world_map(&self.stand().placed) else {
+        let map = world_map(&self.stand().placed);
+        self.mapped_bounds(map)
+    }
+
+    /// A box in the model space of `space` around the points that are placed in the world; infinite if `space` cannot be inverted.
+    pub(super) fn bounds_in(&mut self, space: &WorldFromModel) -> Aabb {
+        let map = map_into(space, &self.stand().placed);
+        self.mapped_bounds(map)
+    }
+
+    fn mapped_bounds(&mut self, map: Option<BoxMap>) -> Aabb {
+        let Some(map) = map else {
             return Aabb::UNBOUNDED;
         };
         let (slot, children) = self.top();

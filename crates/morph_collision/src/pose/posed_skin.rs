@@ -98,6 +98,13 @@ impl<'a> Posed<'a> {
         Some(skinning.world_bounds(tree))
     }
 
+    /// The same in the model space of `space`.
+    pub(super) fn hull_of_joints_in(&mut self, space: &WorldFromModel) -> Option<Aabb> {
+        let tree = self.skin_tree()?;
+        let (_, skinning) = self.skin.as_mut()?;
+        Some(skinning.bounds_in(tree, space))
+    }
+
     /// The map from the space of a joint to the body's frame; `None` if it could not be computed.
     pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
         let (_, skinning) = self.skin.as_mut()?;

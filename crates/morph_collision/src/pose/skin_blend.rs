@@ -32,13 +32,14 @@ pub(super) fn blend_skinned<'m, S: Simd>(
     boxes.store(all(f32::INFINITY), all(f32::NEG_INFINITY));
     let mut widest = 0.0_f32;
     let mut cluster = BoxLanes::default();
+    let mut kept = [[all(0.0); 2]; KEPT_IMAGES];
     for block in skin.blocks(group) {
         let block = skin.block(block);
         let reach = blend_group(simd, block.tables, weights, &mut cluster);
         let own = cluster.ends(simd);
         let (ends, widening) = match block.pivots {
             [pivot] if block.rows.is_empty() && map(pivot.map).is_identity && block.missing == 0.0 => (own, 0.0),
-            _ => moved(simd, &block, own, reach, &map, origin),
+            _ => moved(simd, &block, (own, reach), &map, origin, &mut kept),
         };
         widest = widest.max(widening);
         if *block.children == EACH {
@@ -56,15 +57,16 @@ pub(super) fn blend_skinned<'m, S: Simd>(
 /// The children of a block in which lane `i` is child `i`.
 const EACH: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-/// The boxes of a block's clusters under their joints, and by how much they were widened.
+/// The boxes of a block's clusters under their joints, and by how much they were widened. `own` are the boxes before joints move them,
+/// with coordinates up to `reach`. `kept` is scratch memory.
 #[inline(always)]
 fn moved<'m, S: Simd>(
     simd: S,
     block: &Block<'_>,
-    own: Ends<S>,
-    reach: f32,
+    (own, reach): (Ends<S>, f32),
     map: &impl Fn(u32) -> &'m JointMap,
     origin: f32,
+    kept: &mut [Ends<S>; KEPT_IMAGES],
 ) -> (Ends<S>, f32) {
     let half = f32x8::splat(simd, 0.5);
     let [low, high] = own;
@@ -80,7 +82,6 @@ fn moved<'m, S: Simd>(
         drift = drift.max(map.drift);
     };
     let mut pivot = own;
-    let mut kept = [own; KEPT_IMAGES];
     for (place, of) in block.pivots.iter().enumerate() {
         let map = map(of.map);
         note(map);

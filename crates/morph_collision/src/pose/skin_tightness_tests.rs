@@ -84,7 +84,7 @@ fn boxes_around_points_are_as_small_as_roundings() {
 fn bounds_of_a_body_that_one_joint_moves_are_as_small_as_roundings() {
     let mut rng = Pcg64Mcg::seed_from_u64(9);
     for far in [0.1, 10.0, 1000.0] {
-        let mut worst = [0.0_f32; 3];
+        let mut worst = [0.0_f32; 4];
         for _ in 0..20 {
             let base = [vector(&mut rng, 1.0)];
             let influences = Influences {
@@ -96,10 +96,13 @@ fn bounds_of_a_body_that_one_joint_moves_are_as_small_as_roundings() {
             pose.set_joints(&joints(&mut rng, far)).unwrap();
             pose.set_weights(&[rng.random_range(-1.0..2.0)]).unwrap();
             let place = WorldFromModel::IDENTITY;
+            let turned = Affine3A::from_rotation_translation(Quat::from_rotation_y(1.0), vector(&mut rng, far));
+            let turned = WorldFromModel::new(turned).unwrap();
             let bounds = [
                 pose.bounds(),
                 pose.world_bounds(&place),
                 pose.broad_phase_bounds(&place),
+                pose.local_bounds(&turned),
             ];
             for (worst, bounds) in worst.iter_mut().zip(bounds) {
                 *worst = worst.max(bounds.size().max_element() / (U * (2.0 + 2.0 * far)));

@@ -101,10 +101,11 @@ impl Skinning {
     }
 
     /// Updates the state after a change of the joints or the weights. Returns the transform of the body's frame to the world.
-    pub(super) fn change(&mut self, tree: SkinTree<'_>, weights_changed: bool) -> WorldFromModel {
+    pub(super) fn change(&mut self, tree: SkinTree<'_>, mut weights_changed: bool) -> WorldFromModel {
         if self.version == u32::MAX {
             let joints = self.joints.clone();
             *self = Self::new(tree.skin, joints, tree.model.vertex_count());
+            weights_changed = true;
         }
         self.version += 1;
         self.placed.next_epoch();
@@ -112,13 +113,12 @@ impl Skinning {
             self.boxes.next_epoch();
             self.hull.forget();
             self.outer.forget();
-        }
-        let of_targets =
-            tree.weights.active().iter().map(|&(target, weight)| {
+            let of_targets = tree.weights.active().iter().map(|&(target, weight)| {
                 f64::from(weight.abs()) * f64::from(tree.model.target_reach()[target as usize])
             });
-        // The factor covers the rounding of blends.
-        self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2);
+            // The factor covers the rounding of blends.
+            self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2);
+        }
         let sum = tree.model.skin().map_or(1.0, Skin::max_sum);
         // Up to eight products and sums for the matrix, and three of each for the position.
         self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
@@ -164,7 +164,7 @@ impl Skinning {
                 of.place = WorldFromModel::from_columns([x, y, z, of.place.translation()]);
             }
             of.maps = MapFrame::new(&of.place);
-            of.origin = of.place.model_point(DVec3::ZERO).0.abs().max_element() as f32;
+            of.origin = of.place.model_origin().abs().max_element() as f32;
         }
         of.is_used
     }
@@ -271,6 +271,14 @@ impl Skinning {
         let sums = tree.model.skin().map_or(1.0..=1.0, Skin::sums);
         let (joints, slack) = (&tree.skin.joints, (sums, self.error));
         self.hull.around(tree.level, joints, tree.weights, &self.joints, slack)
+    }
+
+    /// A box around all vertices in the model space of `space`.
+    pub(super) fn bounds_in(&mut self, tree: SkinTree<'_>, space: &WorldFromModel) -> Aabb {
+        let sums = tree.model.skin().map_or(1.0..=1.0, Skin::sums);
+        let (joints, slack) = (&tree.skin.joints, (sums, self.error));
+        self.hull
+            .around_in(tree.level, joints, tree.weights, &self.joints, slack, space)
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.

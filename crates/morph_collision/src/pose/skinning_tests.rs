@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, EulerRot, Mat3A, Quat, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, EulerRot, Mat3A, Quat, Vec3, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::bounds::{BoxLanes, LANES};
+use crate::bounds::{Aabb, BoxLanes, LANES};
 use crate::{
     Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, TrianglePair, WorldFromModel,
     triangles_intersect,
@@ -112,7 +112,20 @@ fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatri
     JointMatrices::new(&all).unwrap()
 }
 
-/// Fails if a vertex is outside the box of any node above it, or outside the bounds of the whole body.
+/// Turned, scaled, mirrored and sheared, near the origin and far away.
+fn spaces() -> [WorldFromModel; 3] {
+    let turned = Quat::from_euler(EulerRot::XYZ, 0.4, -2.0, 1.1);
+    let mut sheared = Affine3A::from_scale_rotation_translation(Vec3::new(1e-2, 3.0, 0.7), turned, Vec3::splat(1e3));
+    sheared.matrix3.y_axis += 0.5 * sheared.matrix3.z_axis;
+    [
+        Affine3A::from_rotation_translation(turned, Vec3::new(1.0, -2.0, 0.5)),
+        Affine3A::from_scale_rotation_translation(Vec3::new(-2.0, 2.0, 2.0), turned, Vec3::ZERO),
+        sheared,
+    ]
+    .map(|place| WorldFromModel::new(place).unwrap())
+}
+
+/// Fails if a vertex is outside the box of any node above it, or outside the bounds of the whole body in any space.
 fn check_boxes(pose: &mut Pose) {
     let place = WorldFromModel::IDENTITY;
     for bounds in [pose.world_bounds(&place), pose.broad_phase_bounds(&place)] {
@@ -124,6 +137,10 @@ fn check_boxes(pose: &mut Pose) {
         }
     }
     let mut boxes = Vec::new();
+    let all: Vec<u32> = (0..pose.bvh().model().triangle_count() as u32).collect();
+    for place in spaces() {
+        boxes.push((pose.local_bounds(&place), place, all.clone()));
+    }
     pose.visit_nodes(|node| {
         boxes.push((node.bounds, node.world_from_bounds.unwrap(), node.triangles.to_vec()));
         true
@@ -242,14 +259,14 @@ fn a_skinned_vertex_is_as_defined() {
     let place = WorldFromModel::IDENTITY;
     let mut body = Body::new(&mut pose, &place);
     // (1, 2, 4) with 5/8 of the second joint, which takes it to (14, 21, 32), and 1/4 of the first, which doubles it.
-    let expected = glam::DVec3::new(14.0, 21.0, 32.0) * 0.625 + glam::DVec3::new(2.0, 4.0, 8.0) * 0.25;
+    let expected = DVec3::new(14.0, 21.0, 32.0) * 0.625 + DVec3::new(2.0, 4.0, 8.0) * 0.25;
     assert_eq!(body.vertex(0), Some(expected));
     assert_eq!(
         body.vertex(1),
-        Some(glam::DVec3::ZERO),
+        Some(DVec3::ZERO),
         "no influences: the world's origin"
     );
-    assert_eq!(body.vertex(2), Some(glam::DVec3::new(11.0, 20.0, 31.0)));
+    assert_eq!(body.vertex(2), Some(DVec3::new(11.0, 20.0, 31.0)));
     assert_eq!(body.vertex(3), None);
 }
 
@@ -360,6 +377,51 @@ fn a_broad_phase_follows_weights_and_blends_no_node() {
         assert!(size < 2.0 * least, "{weights:?}: {size}, {least}");
     }
     assert_eq!(pose.posed().blended().volumes, 0);
+}
+
+#[test]
+fn a_box_in_a_space_that_turns_with_the_joints_stays_the_same() {
+    let mut rng = Pcg64Mcg::seed_from_u64(25);
+    let mut pose = Pose::new(tube(Weights::Smooth, &mut rng));
+    let joints = bent(&mut rng, 0.1, [1.0, 1.0], Vec3::new(1.0, 2.0, 0.0));
+    let still: Vec<Affine3A> = (0..JOINTS as u16)
+        .map(|joint| {
+            let [x, y, z, at] = joints.columns(joint).map(DVec3::as_vec3);
+            Affine3A::from_cols(x.into(), y.into(), z.into(), at.into())
+        })
+        .collect();
+    pose.set_joints(&joints).unwrap();
+    let expected = pose.world_bounds(&WorldFromModel::IDENTITY);
+    for turn in [0.0, 1.6, 4.0, 0.8] {
+        // Joints and space move together, which does not change what the space sees.
+        let moved = Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(5.0, 0.0, -3.0));
+        let turned: Vec<Affine3A> = still.iter().map(|joint| moved * *joint).collect();
+        pose.set_joints(&JointMatrices::new(&turned).unwrap()).unwrap();
+        let bounds = pose.local_bounds(&WorldFromModel::new(moved).unwrap());
+        let off = (bounds.min - expected.min).abs().max((bounds.max - expected.max).abs());
+        assert!(off.max_element() < 1e-4, "{turn}: {bounds:?}, {expected:?}");
+    }
+    // Along the world's axes, it grows.
+    let turned = pose.world_bounds(&WorldFromModel::IDENTITY).size().element_product();
+    assert!(turned > 1.5 * expected.size().element_product(), "{turned}");
+}
+
+#[test]
+fn a_mesh_without_joints_has_the_same_local_bounds_everywhere() {
+    let no_targets: [Vec<Vec3>; 0] = [];
+    let model = MorphModel::from_displacements(&Vec3::AXES, &[[0, 1, 2]], &no_targets).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    let expected = pose.bounds();
+    for place in spaces() {
+        assert_eq!(pose.local_bounds(&place), expected);
+    }
+}
+
+#[test]
+fn a_space_that_cannot_be_inverted_has_an_infinite_box() {
+    let mut pose = Pose::new(tube(Weights::Smooth, &mut Pcg64Mcg::seed_from_u64(26)));
+    let flat = WorldFromModel::new(Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0))).unwrap();
+    assert_eq!(pose.local_bounds(&flat), Aabb::UNBOUNDED);
 }
 
 /// Its root is a leaf.

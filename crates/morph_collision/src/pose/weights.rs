@@ -40,6 +40,19 @@ pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsEr
             expected: model.target_count(),
         });
     }
+    let limit = f64::from(2.0 * LARGEST);
+    let of_target = |(value, reach): (&f32, &f32)| f64::from(value.abs()) * f64::from(*reach);
+    let of_targets = weights.iter().zip(model.target_reach()).map(of_target);
+    // False if a weight is not finite: infinity times zero is NaN.
+    if of_targets.fold(f64::from(model.base_reach()), |sum, reach| sum + reach) <= limit {
+        return Ok(());
+    }
+    explain(model, weights)
+}
+
+/// Finds the weight that is refused.
+#[cold]
+fn explain(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsError> {
     let mut reach = f64::from(model.base_reach());
     for (index, (&value, &target_reach)) in weights.iter().zip(model.target_reach()).enumerate() {
         if !value.is_finite() {

@@ -6,9 +6,10 @@ use glam::DVec3;
 use super::body::Body;
 use super::input::Ray;
 use super::one::OneBody;
+use super::rank::Rank;
 use super::ray_view::RayView;
 use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
-use crate::exact::{Crossing, Triangle, VALUE_ERROR, closest_on_triangle, ray_meets_triangle};
+use crate::exact::{Crossing, Triangle, closest_on_triangle, ray_meets_triangle};
 use crate::input_error::InputError;
 
 /// The side of a triangle that a ray hits. From the front, the corners appear counter-clockwise in world space.
@@ -22,6 +23,10 @@ pub enum Facing {
     EdgeOn,
 }
 
+/// Relative to the first hit's parameter: other hits matter up to there. It covers the rounding of parameters. It is larger than that, so
+/// that for hits at the same point, no exact arithmetic is needed to find that they matter.
+const MARGIN: f64 = 1e-12;
+
 /// The first point that a ray and a triangle share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
@@ -29,7 +34,8 @@ pub struct RayHit {
     pub triangle: u32,
     /// The barycentric coordinates of [`RayHit::point`]: not negative, with sum 1.
     pub barycentrics: [f64; 3],
-    /// The ray's parameter at the hit, with a relative error of at most 1e-11.
+    /// The ray's parameter at the hit: the exact one, rounded to the nearest `f64`. So triangles that the ray hits at the same point have
+    /// the same `t`, on all bodies.
     pub t: f64,
     /// The distance from the ray's origin, in world units.
     pub distance: f64,
@@ -66,14 +72,20 @@ pub struct RayQuery {
     one: OneBody,
     /// Scratch memory.
     points: Vec<[f32; 4]>,
+    /// Scratch memory: hits to sort.
+    ranked: Vec<(Rank<u32>, RayHit)>,
 }
 
 query_basics!(RayQuery, |query| query.one.stats);
 
 impl RayQuery {
-    /// Returns the hit with the smallest `t`; among equals, the one with the lowest triangle index.
+    /// Returns the hit with the smallest `t`; among equals, the one with the lowest triangle index (see [`Rank`]). It is the first hit of
+    /// [`RayQuery::all`].
     pub fn closest(&mut self, body: Body<'_>, ray: &Ray) -> Option<RayHit> {
-        self.closest_where(body, ray, |_| true)
+        let first = self.first(body, ray, |number, crossing, triangle| {
+            Some((number, *crossing, *triangle))
+        });
+        first.map(|(number, crossing, triangle)| RayHit::new(ray, number, &crossing, &triangle))
     }
 
     /// Like [`RayQuery::closest`], but ignores hits that `accept` rejects, for example back faces or certain triangles.
@@ -85,20 +97,31 @@ impl RayQuery {
         ray: &Ray,
         mut accept: impl FnMut(&RayHit) -> bool,
     ) -> Option<RayHit> {
-        let mut closest: Option<(f64, RayHit)> = None;
+        self.first(body, ray, |number, crossing, triangle| {
+            Some(RayHit::new(ray, number, crossing, triangle)).filter(&mut accept)
+        })
+    }
+
+    /// What `accept` makes of the first hit that it accepts. It is called for hits that come before all those accepted so far.
+    fn first<T>(
+        &mut self,
+        body: Body<'_>,
+        ray: &Ray,
+        mut accept: impl FnMut(u32, &Crossing, &Triangle) -> Option<T>,
+    ) -> Option<T> {
+        let mut first: Option<(Rank<u32>, T)> = None;
         let _never_stopped = self.cast(body, ray, |number, crossing, triangle| {
-            let is_after = |(t, hit): &(f64, RayHit)| (crossing.t, number) < (*t, hit.triangle);
-            if closest.as_ref().is_none_or(is_after) {
-                let hit = RayHit::new(ray, number, crossing, triangle);
-                if accept(&hit) {
-                    closest = Some((crossing.t, hit));
-                }
+            // The `t` of a `RayHit` may be out of range, in units of a very long or short direction. This one is not.
+            let rank = Rank::new(crossing.t, number);
+            if first.as_ref().is_none_or(|(first, _)| rank < *first)
+                && let Some(accepted) = accept(number, crossing, triangle)
+            {
+                first = Some((rank, accepted));
             }
-            // A margin for the error of `t`.
-            let limit = |(t, _): &(f64, _)| t * (1.0 + 16.0 * VALUE_ERROR);
-            ControlFlow::Continue(closest.as_ref().map_or(f64::INFINITY, limit))
+            let limit = |(rank, _): &(Rank<u32>, T)| rank.distance * (1.0 + MARGIN);
+            ControlFlow::Continue(first.as_ref().map_or(f64::INFINITY, limit))
         });
-        closest.map(|(_, hit)| hit)
+        first.map(|(_, accepted)| accepted)
     }
 
     /// Returns whether the ray hits anything.
@@ -106,14 +129,17 @@ impl RayQuery {
         self.cast(body, ray, |_, _, _| ControlFlow::Break(())).is_break()
     }
 
-    /// Appends every hit, one per triangle, sorted by `t` and then by triangle.
+    /// Appends every hit, one per triangle, sorted by `t` and then by triangle (see [`Rank`]).
     pub fn all(&mut self, body: Body<'_>, ray: &Ray, hits: &mut Vec<RayHit>) {
-        let start = hits.len();
+        let mut ranked = std::mem::take(&mut self.ranked);
         let _finished = self.cast(body, ray, |number, crossing, triangle| {
-            hits.push(RayHit::new(ray, number, crossing, triangle));
+            let hit = RayHit::new(ray, number, crossing, triangle);
+            ranked.push((Rank::new(crossing.t, number), hit));
             ControlFlow::Continue(f64::INFINITY)
         });
-        hits[start..].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        ranked.sort_unstable_by_key(|(rank, _)| *rank);
+        hits.extend(ranked.drain(..).map(|(_, hit)| hit));
+        self.ranked = ranked;
     }
 
     /// Returns whether a point is inside a closed mesh or on its surface. The triangles may all face outwards or all inwards.
@@ -174,20 +200,21 @@ impl RayQuery {
             RayCull::new(line.origin, line.direction, &placed),
             RayView::new(line, &placed),
         );
-        let mut limit = line.max_t;
+        // The part of the ray on which hits still matter.
+        let mut near = *line;
         let points = &mut self.points;
-        self.one.walk_leaves(body, limit, &cull, |tree, leaf| {
+        self.one.walk_leaves(body, line.max_t, &cull, |tree, leaf| {
             for patch in 0..tree.topology.patches(leaf).len() {
                 let candidates = with_simd!(tree.level, simd => view.candidates(simd, tree, (leaf, patch), points));
                 for lane in lanes_of(candidates) {
                     let number = tree.topology.leaf_triangles(leaf)[patch * LANES + lane];
                     let triangle = tree.world_triangle(number);
-                    if let Some(crossing) = ray_meets_triangle(line, &triangle) {
-                        limit = at_hit(number, &crossing, &triangle)?.min(line.max_t);
+                    if let Some(crossing) = ray_meets_triangle(&near, &triangle) {
+                        near.max_t = at_hit(number, &crossing, &triangle)?.min(line.max_t);
                     }
                 }
             }
-            ControlFlow::Continue(limit)
+            ControlFlow::Continue(near.max_t)
         })
     }
 }

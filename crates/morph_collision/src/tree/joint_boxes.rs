@@ -53,6 +53,12 @@ impl JointBoxes {
         self.joints.chunks(LANES).enumerate().map(tables)
     }
 
+    /// The joints, eight at a time.
+    #[inline(always)]
+    pub(crate) fn joints(&self) -> impl Iterator<Item = &[u16]> {
+        self.joints.chunks(LANES)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.joints) + self.boxes.bytes()
     }

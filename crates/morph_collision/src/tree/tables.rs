@@ -92,7 +92,7 @@ impl GroupTables<'_> {
 }
 
 impl Tables {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn group(&self, group: usize) -> GroupTables<'_> {
         let header = &self.headers[group];
         // Rows are read eight lanes wide, the last one beyond its end.

@@ -11,13 +11,14 @@
 //! It is exact because it uses integers: every `f64` is a whole multiple of some power of two. For whole meshes that would take
 //! too long, so [`intersecting_pairs`] uses integers only if error-bounded `f64` arithmetic is not certain.
 //!
-//! [`Dyadic`] is such an exact number, for measuring rounding errors. Distances ([`triangle_distance`]) are in `f64` and have an
+//! [`Dyadic`] is such an exact number, for measuring rounding errors. [`ray_parameter`] is exact but for one rounding. Distances ([`triangle_distance`]) are in `f64` and have an
 //! error.
 
 mod certain;
 mod distance;
 mod dyadic;
 mod pairs;
+mod ray;
 mod scene;
 mod triangles;
 mod vertex;
@@ -27,6 +28,7 @@ pub use dyadic::Dyadic;
 pub(crate) use dyadic::mantissa_and_exponent;
 pub use pairs::intersecting_pairs;
 pub(crate) use pairs::visit_intersecting_pairs;
+pub use ray::ray_parameter;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};
 pub use triangles::triangles_intersect;
 pub use vertex::{posed_vertices, skinned_vertices, world_vertices};

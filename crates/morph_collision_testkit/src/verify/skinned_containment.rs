@@ -1,6 +1,6 @@
 //! Checks every box of a posed skinned tree against every vertex below it. The oracle places the vertices.
 
-use glam::{Affine3A, DMat3, DVec3, Vec3};
+use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 use morph_collision::{Pose, WorldFromModel};
 
 use super::{ContainmentReport, ContainmentViolation};
@@ -13,8 +13,8 @@ const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
 /// Like [`check_containment`](super::check_containment), for a skinned mesh with these joint matrices.
 ///
 /// A box that is stored in a joint's space must contain each vertex taken back into that space, up to the rounding of `f64`.
-/// Boxes are `f32`, with rounding errors about a thousand million times as large. Both boxes around the whole body in world space
-/// must contain each vertex exactly.
+/// Boxes are `f32`, with rounding errors about a thousand million times as large. The same holds for the box around the whole body in
+/// another space. Both boxes around the whole body in world space must contain each vertex exactly.
 ///
 /// # Panics
 /// If the mesh has no skin, or names a joint that is not among `joints`.
@@ -30,6 +30,9 @@ fn check_at(mesh: &MorphMesh, world: &[DVec3], reach: f64, pose: &mut Pose) -> C
     let mut report = ContainmentReport::default();
     let place = WorldFromModel::IDENTITY;
     let bounds = [pose.world_bounds(&place), pose.broad_phase_bounds(&place)];
+    let turned = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.9), Vec3::new(1.0, 0.0, -2.0));
+    let turned = WorldFromModel::new(turned).expect("it is finite");
+    let (local, to_local) = (pose.local_bounds(&turned), Inverse::new(&turned));
     let mut check = |vertex: u32, depth: usize, position: DVec3, slack: f64, min: Vec3, max: Vec3| {
         report.checks += 1;
         let below = (min.as_dvec3() - slack).cmple(position);
@@ -46,6 +49,8 @@ fn check_at(mesh: &MorphMesh, world: &[DVec3], reach: f64, pose: &mut Pose) -> C
         for bounds in &bounds {
             check(vertex, 0, world[vertex as usize], 0.0, bounds.min, bounds.max);
         }
+        let (position, slack) = to_local.point(world[vertex as usize], reach);
+        check(vertex, 0, position, slack, local.min, local.max);
     }
     pose.visit_nodes(|node| {
         let frame = node.world_from_bounds.as_ref().map(Inverse::new);

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::ClosestPair;
 use crate::exact::{ClosestPoints, Triangle, closest_of_triangles};
 use crate::query::pairs::TrianglePair;
+use crate::query::rank::Rank;
 
 /// Margin for rounding errors of squared distances. Pairs whose lower bound exceeds the best squared distance by up to this factor are
 /// still measured, so that the answer does not depend on the tree.
@@ -17,6 +18,12 @@ const TIES: u32 = 16_384;
 /// A pair whose lower bound exceeds this share of the distance counts as equally close. The closest points have errors of about 1e-16
 /// of the bodies' size, so the direction between them is accurate enough if the bodies are more than a thousandth of their size apart.
 const NO_CLOSER: f64 = 1.0 - 1e-9;
+
+impl ClosestPair {
+    fn rank(&self) -> Rank<[u32; 2]> {
+        Rank::new(self.distance, [self.triangle_a, self.triangle_b])
+    }
+}
 
 /// The closest pair so far.
 pub(super) struct Best {
@@ -64,10 +71,8 @@ impl Best {
         } else if squared <= self.squared * MARGIN {
             self.ties = self.ties.saturating_add(1);
         }
-        let is_after = |best: &ClosestPair| {
-            (squared, found.triangle_a, found.triangle_b) < (self.squared, best.triangle_a, best.triangle_b)
-        };
-        if found.distance <= self.max_distance && self.pair.as_ref().is_none_or(is_after) {
+        let is_closer = |best: &ClosestPair| found.rank() < best.rank();
+        if found.distance <= self.max_distance && self.pair.as_ref().is_none_or(is_closer) {
             self.pair = Some(found);
             self.squared = squared;
             if squared == 0.0 {

@@ -9,6 +9,7 @@ use super::placed::{Closest, PlacedShape};
 use crate::bounds::{Box64, ByBox, PlacedBounds};
 use crate::input_error::{InputError, check_direction, check_length};
 use crate::query::Body;
+use crate::query::rank::Rank;
 
 /// Where a moving shape first touches something.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +37,7 @@ impl ShapeQuery {
     ///
     /// The shape is solid. The distance is too long by at most a few `f64` roundings of the coordinates involved, and too short by at
     /// most 1e-12 times them. A path that misses a triangle by that little may count as a hit. Among equal distances, the lowest triangle
-    /// index wins.
+    /// index wins (see [`Rank`]).
     ///
     /// # Errors
     /// [`InputError`] if the direction is zero or not finite, or if `max_distance` is negative or NaN.
@@ -73,21 +74,25 @@ impl ShapeQuery {
             &ByBox(|node: &Box64| sweep.earliest(node)),
             |number, triangle| {
                 let impact = first_impact(shape, direction, limit, |shape| shape.closest(triangle));
-                let is_first = |impact: &ShapeImpact| match &first {
-                    Some(before) => (impact.distance, number) < (before.impact.distance, before.triangle),
-                    None => true,
-                };
-                if let Some(impact) = impact.filter(is_first) {
-                    limit = impact.distance;
-                    first = Some(ShapeCastHit {
-                        triangle: number,
-                        impact,
-                    });
+                let hit = impact.map(|impact| ShapeCastHit {
+                    triangle: number,
+                    impact,
+                });
+                let is_first = |hit: &ShapeCastHit| first.as_ref().is_none_or(|first| hit.rank() < first.rank());
+                if let Some(hit) = hit.filter(is_first) {
+                    limit = hit.impact.distance;
+                    first = Some(hit);
                 }
                 ControlFlow::Continue(limit)
             },
         );
         Ok(first)
+    }
+}
+
+impl ShapeCastHit {
+    fn rank(&self) -> Rank<u32> {
+        Rank::new(self.impact.distance, self.triangle)
     }
 }
 

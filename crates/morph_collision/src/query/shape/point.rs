@@ -10,6 +10,7 @@ use crate::exact::{TrianglePoint, closest_on_triangle_exactly, largest};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
 use crate::query::distance::MARGIN;
+use crate::query::rank::Rank;
 
 /// The point on a body's surface that is closest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +31,7 @@ impl ShapeQuery {
     /// infinite.
     ///
     /// The surface is the union of the closed triangles, degenerate ones included. The mesh need not be closed; a point inside it
-    /// has a positive distance. Among equally close triangles, the one with the lowest index wins.
+    /// has a positive distance. Among equally close triangles, the one with the lowest index wins (see [`Rank`]).
     ///
     /// # Errors
     /// [`InputError`] if the point is not finite or beyond 1e50, or if `max_distance` is negative or NaN.
@@ -65,24 +66,24 @@ impl ShapeQuery {
             let squared = |(frame, target): &(&GapFrame, Box64)| frame.squared(&frame.image_of_a(bounds), target);
             Some(largest(targets.iter().map(squared)))
         };
-        let mut closest: Option<(u32, TrianglePoint)> = None;
+        let mut closest: Option<(Rank<u32>, TrianglePoint)> = None;
         let mut limit = max_distance * max_distance * MARGIN;
         let _never_stopped = self
             .one
             .walk(body, limit, &ByBox(squared_distance), |number, triangle| {
                 let foot = closest_on_triangle_exactly(point, triangle);
-                let is_after = |(n, best): &(u32, TrianglePoint)| (foot.squared, number) < (best.squared, *n);
-                if closest.as_ref().is_none_or(is_after) && foot.squared.sqrt() <= max_distance {
-                    closest = Some((number, foot));
+                let rank = Rank::new(foot.squared.sqrt(), number);
+                if rank.distance <= max_distance && closest.as_ref().is_none_or(|(best, _)| rank < *best) {
+                    closest = Some((rank, foot));
                     limit = limit.min(foot.squared * MARGIN);
                 }
                 ControlFlow::Continue(limit)
             });
-        Ok(closest.map(|(triangle, foot)| ClosestPoint {
-            triangle,
+        Ok(closest.map(|(rank, foot)| ClosestPoint {
+            triangle: rank.id,
             barycentrics: foot.barycentrics,
             point: foot.point,
-            distance: foot.squared.sqrt(),
+            distance: rank.distance,
         }))
     }
 }

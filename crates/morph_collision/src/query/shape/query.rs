@@ -10,6 +10,7 @@ use crate::input_error::{InputError, check_number};
 use crate::query::Body;
 use crate::query::capped::Capped;
 use crate::query::one::OneBody;
+use crate::query::rank::Rank;
 
 /// The contact of a triangle with a shape: the closest points if they are apart, or the deepest points if they intersect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +134,7 @@ impl ShapeQuery {
 
     /// Returns the contact of the triangle with the smallest signed distance: the closest triangle, or the deepest if any intersect.
     ///
-    /// `None` if that distance is above `within`. Among equal distances, the lowest triangle index wins.
+    /// `None` if that distance is above `within`. Among equal distances, the lowest triangle index wins (see [`Rank`]).
     ///
     /// # Errors
     /// [`InputError`] if `within` is NaN.
@@ -147,11 +148,7 @@ impl ShapeQuery {
         let mut best: Option<ShapeContact> = None;
         self.walk(body, shape, within, |triangle, corners| {
             let contact = contact(shape, triangle, corners);
-            let is_better = match &best {
-                Some(best) => (contact.distance, triangle) < (best.distance, best.triangle),
-                None => contact.distance <= within,
-            };
-            if is_better {
+            if contact.distance <= within && best.as_ref().is_none_or(|best| contact.rank() < best.rank()) {
                 best = Some(contact);
             }
             ControlFlow::Continue(best.as_ref().map_or(within, |best| best.distance))
@@ -169,6 +166,12 @@ impl ShapeQuery {
         let bound = NodeBound::new(shape, body.posed().placed());
         let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
         let _stopped_early = self.one.walk(body, limit, &bounds, at_triangle);
+    }
+}
+
+impl ShapeContact {
+    fn rank(&self) -> Rank<u32> {
+        Rank::new(self.distance, self.triangle)
     }
 }
 

@@ -1,9 +1,11 @@
 //! Without the feature `gltf`, no entity spawns a scene that the plugin knows.
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::names::Names;
+use crate::scene::Hierarchy;
 use crate::scene_outcomes::SceneState;
 
 /// As in `spawned_scenes.rs`.
@@ -17,8 +19,12 @@ impl SpawnedScenes<'_, '_> {
         false
     }
 
-    pub(crate) fn state(&self, _: Entity, _: &Names) -> Option<SceneState> {
-        None
+    pub(crate) fn is_pending(&self, _: Entity, _: &Names) -> bool {
+        false
+    }
+
+    pub(crate) fn states(&self, _: &Hierarchy, _: &Names) -> EntityHashMap<SceneState> {
+        EntityHashMap::default()
     }
 
     pub(crate) fn any_is_pending(&self, _: &Names) -> bool {

@@ -18,6 +18,7 @@ use crate::every_mesh::Automatic;
 use crate::layers::MorphCollisionLayers;
 use crate::misuse::Suspects;
 use crate::scene_outcomes::OpenScenes;
+use crate::spawned_scenes::SpawnedScenes;
 
 /// Turns the meshes below this entity into [`MorphCollider`]s: by default those that deform. Put it on the root of a scene; all its
 /// colliders become parts of one body.
@@ -196,6 +197,7 @@ pub(crate) fn update_scene_parts(
     news: Query<Entity, PartNews>,
     mut removals: PartRemovals,
     parts: PartQuery,
+    spawned: SpawnedScenes,
     mut open: ResMut<OpenScenes>,
     mut suspects: ResMut<Suspects>,
     mut preparation: ResMut<Preparation>,
@@ -210,7 +212,14 @@ pub(crate) fn update_scene_parts(
     let mut anything = false;
     for entity in news.iter().chain(removed) {
         anything = true;
-        roots.extend(hierarchy.scene_root(entity));
+        let Some(root) = hierarchy.scene_root(entity) else {
+            continue;
+        };
+        roots.insert(root);
+        // It may only now have come below this scene.
+        if entity != root && spawned.is_root(entity) {
+            open.open(root);
+        }
     }
     if anything {
         let left = |part: &PartNowItem| part.part.is_some() && hierarchy.scene_root(part.entity).is_none();

@@ -11,7 +11,7 @@ use crate::import::ImportError;
 use crate::misuse::Suspects;
 use crate::names::Names;
 use crate::readiness::{MorphColliderFailed, MorphColliderSceneReady};
-use crate::scene::{MorphColliderScene, ScenePart};
+use crate::scene::{Hierarchy, ScenePart};
 use crate::spawned_scenes::SpawnedScenes;
 
 /// How far a scene is that Bevy spawns from an asset.
@@ -33,15 +33,11 @@ impl OpenScenes {
     }
 }
 
-/// A scene that gets another file is open again.
+/// A scene is open again if it, or an entity below it, gets a file.
 #[cfg(feature = "gltf")]
-pub(crate) fn open_again(
-    inserted: On<Insert<WorldAssetRoot>>,
-    scenes: Query<(), (With<MorphColliderScene>, Allow<Disabled>)>,
-    mut open: ResMut<OpenScenes>,
-) {
-    if scenes.contains(inserted.entity) {
-        open.open(inserted.entity);
+pub(crate) fn open_again(inserted: On<Insert<WorldAssetRoot>>, hierarchy: Hierarchy, mut open: ResMut<OpenScenes>) {
+    if let Some(scene) = hierarchy.scene_root(inserted.entity) {
+        open.open(scene);
     }
 }
 
@@ -54,16 +50,17 @@ pub(crate) fn any_is_open(open: Res<OpenScenes>) -> bool {
 pub(crate) fn report_outcomes(
     mut open: ResMut<OpenScenes>,
     mut suspects: ResMut<Suspects>,
-    with_scene: Query<(), (With<MorphColliderScene>, Allow<Disabled>)>,
+    hierarchy: Hierarchy,
     parts: Query<&ScenePart, Allow<Disabled>>,
     spawned: SpawnedScenes,
     names: Names,
     mut commands: Commands,
 ) {
     let mut settled: Vec<(Entity, SceneState)> = Vec::new();
+    let mut states = spawned.states(&hierarchy, &names);
     open.0.retain(|&root| {
         // Nobody knows when a scene is complete that a game builds by hand.
-        let state = spawned.state(root, &names).filter(|_| with_scene.contains(root));
+        let state = states.remove(&root);
         let is_pending = state == Some(SceneState::Pending);
         settled.extend(state.filter(|_| !is_pending).map(|state| (root, state)));
         is_pending
@@ -75,7 +72,7 @@ pub(crate) fn report_outcomes(
     settled.sort_unstable_by_key(|(root, _)| *root);
     for (entity, state) in settled {
         if let SceneState::Failed(reason) = state {
-            suspects.told().error("scene not loaded", names.about(entity), || {
+            suspects.told().error("scene not loaded", reason.to_string(), || {
                 let name = names.with_file(entity);
                 format!("the scene of entity {name} gets no colliders: {reason}")
             });

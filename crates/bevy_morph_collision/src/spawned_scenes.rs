@@ -1,6 +1,7 @@
 //! How far the scenes are that Bevy spawns from assets.
 
 use bevy::asset::UntypedAssetId;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
@@ -9,10 +10,12 @@ use bevy::world_serialization::{WorldInstance, WorldInstanceSpawner};
 
 use crate::import::ImportError;
 use crate::names::Names;
+use crate::scene::Hierarchy;
 use crate::scene_outcomes::SceneState;
 
 /// The components of an entity that spawns a scene.
 type Root = (
+    Entity,
     Option<&'static WorldAssetRoot>,
     Option<&'static DynamicWorldRoot>,
     Option<&'static WorldInstance>,
@@ -34,9 +37,29 @@ impl SpawnedScenes<'_, '_> {
         self.roots.contains(entity)
     }
 
-    /// How far the scene is that an entity spawns; `None` if it spawns none.
-    pub(crate) fn state(&self, entity: Entity, names: &Names) -> Option<SceneState> {
-        Some(self.state_of(self.roots.get(entity).ok()?, names))
+    /// Whether the entity will spawn a scene, but has not yet.
+    pub(crate) fn is_pending(&self, entity: Entity, names: &Names) -> bool {
+        let root = self.roots.get(entity);
+        root.is_ok_and(|root| self.state_of(root, names) == SceneState::Pending)
+    }
+
+    /// How far the scenes are that are spawned at or below each [`MorphColliderScene`](crate::MorphColliderScene): pending if any of them is,
+    /// otherwise failed if any has failed. Those that spawn none are left out.
+    pub(crate) fn states(&self, hierarchy: &Hierarchy, names: &Names) -> EntityHashMap<SceneState> {
+        let mut states: EntityHashMap<SceneState> = EntityHashMap::default();
+        for root in &self.roots {
+            let Some(scene) = hierarchy.scene_root(root.0) else {
+                continue;
+            };
+            let state = self.state_of(root, names);
+            match (states.get(&scene), &state) {
+                (None, _) | (_, SceneState::Pending) | (Some(SceneState::Spawned), _) => {
+                    _ = states.insert(scene, state)
+                }
+                _ => {}
+            }
+        }
+        states
     }
 
     /// Whether any scene of the app is still to be spawned.
@@ -47,7 +70,8 @@ impl SpawnedScenes<'_, '_> {
 
     fn state_of(
         &self,
-        (scene, dynamic, instance): (
+        (_, scene, dynamic, instance): (
+            Entity,
             Option<&WorldAssetRoot>,
             Option<&DynamicWorldRoot>,
             Option<&WorldInstance>,

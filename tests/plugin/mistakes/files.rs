@@ -84,6 +84,58 @@ fn a_scene_that_cannot_be_loaded_fails_with_the_reason_and_ends_loading_screens(
 }
 
 #[test]
+fn a_scene_above_a_file_that_cannot_be_loaded_fails_too() {
+    let (_folder, path) = files();
+    with_app(&path, |app, errors| {
+        listen(app);
+        let above = |app: &mut App, scenes: &[&str]| {
+            let top = app
+                .world_mut()
+                .spawn((Transform::default(), MorphColliderScene::default()))
+                .id();
+            for file in scenes {
+                let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load((*file).to_owned());
+                // Only then below the scene.
+                let root = app.world_mut().spawn(WorldAssetRoot(scene)).id();
+                app.world_mut().entity_mut(top).add_child(root);
+            }
+            top
+        };
+        let told = |app: &mut App, top: Entity| {
+            update_until(app, &path, |world| {
+                Ok(matches!(world.resource::<Log>().0.last(), Some(Heard::Scene(_))))
+            })
+            .unwrap();
+            let heard = heard(app);
+            let failed = |heard: &&Heard| matches!(heard, Heard::Failed(entity, _) if *entity == top);
+            let failed = heard.iter().filter(failed).count();
+            let Some(Heard::Scene(ready)) = heard.last() else {
+                panic!("{heard:?}");
+            };
+            (failed, ready.entity == top, ready.parts)
+        };
+        let top = above(app, &["missing.glb#Scene0"]);
+        assert_eq!(told(app, top), (1, true, 0));
+        // Also if the file comes late.
+        let top = above(app, &[]);
+        run(app, 3);
+        let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load("missing.glb#Scene0");
+        let root = app.world_mut().spawn(WorldAssetRoot(scene)).id();
+        run(app, 3);
+        assert_eq!(heard(app), []);
+        app.world_mut().entity_mut(top).add_child(root);
+        assert_eq!(told(app, top), (1, true, 0));
+        let top = above(app, &["rigid.glb#Scene0"]);
+        assert_eq!(told(app, top), (0, true, 0));
+        let top = above(app, &["morphs.glb#Scene0"]);
+        assert_eq!(told(app, top), (0, true, 1));
+        assert_eq!(errors.take().len(), 1, "each file once");
+        run(app, PATIENCE);
+        assert_eq!(heard(app), []);
+    });
+}
+
+#[test]
 fn a_file_that_cannot_be_loaded_is_logged_once_for_all_scenes_that_show_it() {
     let (_folder, path) = files();
     with_app(&path, |app, errors| {

@@ -111,7 +111,7 @@ impl Default for MorphAvianCollider {
 
 /// Lets rigid bodies of `avian3d` collide with every [`MorphAvianCollider`].
 ///
-/// Add it together with `PhysicsPlugins`, in any order, and [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
+/// Part of [`MorphPlugins`](crate::MorphPlugins), which may come before or after `PhysicsPlugins`.
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -119,7 +119,7 @@ impl Default for MorphAvianCollider {
 /// use avian3d::prelude::*;
 ///
 /// # let mut app = App::new();
-/// app.add_plugins((PhysicsPlugins::default(), MorphCollisionPlugin::default(), MorphAvianPlugin::default()));
+/// app.add_plugins((PhysicsPlugins::default(), MorphPlugins::default()));
 /// # fn spawn(mut commands: Commands, jelly: Handle<Mesh>) {
 /// commands.spawn((Mesh3d(jelly), MorphAvianCollider::default()));
 /// commands.spawn((RigidBody::Dynamic, Collider::sphere(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
@@ -223,12 +223,12 @@ pub(crate) struct Lacking<'w> {
 }
 
 impl Lacking<'_> {
-    /// How to add the plugin that is missing. `None` if there is none, or if the log says so already.
-    pub(crate) fn remedy(&self) -> Option<&'static str> {
+    /// The plugin that is missing, and how to add it. `None` if none is, or if the log says so already.
+    pub(crate) fn plugin(&self) -> Option<[&'static str; 2]> {
         match (&self.settled, &self.engine) {
             (Some(_), _) => None,
-            (None, Some(_)) => Some("app.add_plugins(MorphAvianPlugin::default())"),
-            (None, None) => Some("app.add_plugins(PhysicsPlugins::default())"),
+            (None, Some(_)) => Some(["MorphAvianPlugin", "MorphAvianPlugin::default()"]),
+            (None, None) => Some(["PhysicsPlugins", "PhysicsPlugins::default()"]),
         }
     }
 }

@@ -39,14 +39,14 @@ pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'stat
 #[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
 pub(super) fn look(subject: &SubjectItem, around: &Around, told: &mut Told) -> Look {
     #[cfg(feature = "rapier")]
-    if let Some(remedy) = around.rapier.remedy() {
+    if let Some(plugin) = around.rapier.plugin() {
         let components = ["MorphRapierCollider", "MorphRapierScene"];
-        warn_of(subject.rapier, components, remedy, (subject, around), told);
+        warn_of(subject.rapier, components, plugin, (subject, around), told);
     }
     #[cfg(feature = "avian")]
-    if let Some(remedy) = around.avian.remedy() {
+    if let Some(plugin) = around.avian.plugin() {
         let components = ["MorphAvianCollider", "MorphAvianScene"];
-        warn_of(subject.avian, components, remedy, (subject, around), told);
+        warn_of(subject.avian, components, plugin, (subject, around), told);
     }
     Look::Done
 }
@@ -55,7 +55,7 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, told: &mut Told) -> L
 fn warn_of(
     (collider, scene): (bool, bool),
     names: [&'static str; 2],
-    remedy: &str,
+    [plugin, value]: [&str; 2],
     (subject, around): (&SubjectItem, &Around),
     told: &mut Told,
 ) {
@@ -67,6 +67,8 @@ fn warn_of(
     // The app lacks it, whichever entity shows that first.
     told.warn(names[0], String::new(), || {
         let name = around.name(subject.entity);
-        format!("`{component}` has no effect on entity {name}, because its physics engine is missing: write {remedy}")
+        format!(
+            "`{component}` has no effect on entity {name}, because the app lacks `{plugin}`: write app.add_plugins({value})"
+        )
     });
 }

@@ -16,7 +16,6 @@ use crate::import::{MorphTreeSettings, MorphTrees, Shows, TreeKey, key_of};
 use crate::layers::MorphCollisionLayers;
 use crate::names::Names;
 use crate::scene::{Hierarchy, MorphColliderScene};
-use crate::scene_outcomes::SceneState;
 use crate::self_collisions::MorphSelfCollisions;
 use crate::settings::MorphCollisionSettings;
 use crate::shape::MorphShape;
@@ -82,7 +81,7 @@ impl Around<'_, '_> {
 
     /// Whether the scene that an entity spawns is not there yet.
     pub(super) fn is_pending(&self, entity: Entity) -> bool {
-        self.spawned.state(entity, &self.names) == Some(SceneState::Pending)
+        self.spawned.is_pending(entity, &self.names)
     }
 
     /// Whether an entity below this one satisfies a condition.

@@ -77,7 +77,7 @@ impl Touch {
                 Way::Undecided(MorphImpact {
                     earliest: not_before,
                     latest: 1.0,
-                    point: of_a.0.max(of_b.0).midpoint(of_a.1.min(of_b.1)),
+                    point: middle(of_a.0.max(of_b.0), of_a.1.min(of_b.1)),
                     normal: Vec3::ZERO,
                     velocity: Vec3::ZERO,
                     features: MorphFeatures::Undecided,
@@ -87,6 +87,12 @@ impl Touch {
             }
         }
     }
+}
+
+/// The middle of two corners, also if they are infinite or so far apart that their sum is.
+fn middle(low: Vec3, high: Vec3) -> Vec3 {
+    let [low, high] = [low, high].map(|corner| corner.clamp(Vec3::MIN, Vec3::MAX).as_dvec3());
+    low.midpoint(high).as_vec3()
 }
 
 fn impact(contact: &MotionContact, [model_a, model_b]: [&MorphModel; 2], seconds: f64) -> MorphImpact {

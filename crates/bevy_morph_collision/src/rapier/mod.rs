@@ -136,8 +136,8 @@ impl Default for MorphRapierCollider {
 
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphRapierCollider`].
 ///
-/// Add it together with `RapierPhysicsPlugin`, in any order, and [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every new
-/// physics context a [`MorphQueryDispatcher`].
+/// Part of [`MorphPlugins`](crate::MorphPlugins), which may come before or after `RapierPhysicsPlugin`. It gives every new physics context
+/// a [`MorphQueryDispatcher`].
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -145,7 +145,7 @@ impl Default for MorphRapierCollider {
 /// use bevy_rapier3d::prelude::*;
 ///
 /// # let mut app = App::new();
-/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphCollisionPlugin::default(), MorphRapierPlugin::default()));
+/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins::default()));
 /// # fn spawn(mut commands: Commands, jelly: Handle<Mesh>) {
 /// commands.spawn((Mesh3d(jelly), MorphRapierCollider::default()));
 /// commands.spawn((RigidBody::Dynamic, Collider::ball(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
@@ -247,12 +247,12 @@ pub(crate) struct Lacking<'w> {
 }
 
 impl Lacking<'_> {
-    /// How to add the plugin that is missing. `None` if there is none, or if the log says so already.
-    pub(crate) fn remedy(&self) -> Option<&'static str> {
+    /// The plugin that is missing, and how to add it. `None` if none is, or if the log says so already.
+    pub(crate) fn plugin(&self) -> Option<[&'static str; 2]> {
         match (&self.settled, &self.engine) {
             (Some(_), _) => None,
-            (None, Some(_)) => Some("app.add_plugins(MorphRapierPlugin::default())"),
-            (None, None) => Some("app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())"),
+            (None, Some(_)) => Some(["MorphRapierPlugin", "MorphRapierPlugin::default()"]),
+            (None, None) => Some(["RapierPhysicsPlugin", "RapierPhysicsPlugin::<NoUserData>::default()"]),
         }
     }
 }

@@ -11,8 +11,12 @@ pub struct QueryStats {
     pub triangle_tests: u64,
     /// Triangle pairs with overlapping boxes that the `f64` filter could not decide, so that exact arithmetic was needed.
     pub undecided_by_filter: u64,
-    /// Pairs of a vertex and a face, or of two edges, tested by a [`MotionQuery`](crate::motion::MotionQuery).
+    /// Pairs of a vertex and a face, or of two edges, tested by a [`MotionQuery`](crate::motion::MotionQuery). For a ball, the intervals of
+    /// time for which it and a triangle were compared.
     pub feature_tests: u64,
+    /// Those of them that are degenerate or touch at the start or at the end, and were decided there by exact signs, about a microsecond
+    /// each.
+    pub feature_tests_at_ends: u64,
     /// Those of them that needed exact polynomials, tens of microseconds each.
     pub exact_feature_tests: u64,
     /// The sum of the bits of their coordinates ([`StageCounts::exact_bits`](crate::motion::StageCounts::exact_bits)).
@@ -41,6 +45,7 @@ impl QueryStats {
             node_tests: combine(self.node_tests, other.node_tests),
             triangle_tests: combine(self.triangle_tests, other.triangle_tests),
             feature_tests: combine(self.feature_tests, other.feature_tests),
+            feature_tests_at_ends: combine(self.feature_tests_at_ends, other.feature_tests_at_ends),
             exact_feature_tests: combine(self.exact_feature_tests, other.exact_feature_tests),
             exact_bits: combine(self.exact_bits, other.exact_bits),
             undecided_by_filter: combine(self.undecided_by_filter, other.undecided_by_filter),

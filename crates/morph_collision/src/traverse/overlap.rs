@@ -52,7 +52,8 @@ pub(crate) struct OverlapWalk {
     any_skinned: bool,
     /// The node pairs still to visit.
     stack: Vec<(Node, Node)>,
-    /// The same for [`Order::EarliestFirst`], with lower bounds of the times at which their boxes overlap.
+    /// The same for [`Order::EarliestFirst`], with lower bounds of the times at which their boxes overlap. Its stack has those of which the
+    /// bound is not lower than that of the last one from the queue.
     queue: BinaryHeap<Entry<(Node, Node)>>,
     /// Such bounds for the lanes that were compared last.
     enter: [f32; LANES],
@@ -67,12 +68,11 @@ pub(crate) struct OverlapWalk {
     bound: f64,
 }
 
-/// More waiting node pairs than this take more than 16 MB.
+/// More waiting node pairs than this take more than 16 MB. While so many are waiting, what is below the earliest one is visited at once.
 const MOST_WAITING: usize = 1 << 18;
 
 impl OverlapWalk {
-    /// Makes the next walk break after about `most` tests of nodes, or when too many pairs of nodes are waiting. Returns the number of
-    /// tests so far.
+    /// Makes the next walk break after about `most` tests of nodes. Returns the number of tests so far.
     pub(crate) fn limit(&mut self, most: u64) -> u64 {
         self.most = self.node_tests.saturating_add(most);
         self.node_tests
@@ -180,7 +180,7 @@ impl OverlapWalk {
             self.enter[0] = 0.0;
             self.push(pair, 0, order);
             while let Some((node_a, node_b)) = self.next(order) {
-                if self.node_tests > self.most || self.queue.len() > MOST_WAITING {
+                if self.node_tests > self.most {
                     self.is_cut = true;
                     return ControlFlow::Break(());
                 }
@@ -303,7 +303,11 @@ impl OverlapWalk {
         if let Order::EarliestFirst(latest) = order {
             let bound = f64::from(self.enter[lane % LANES]);
             if bound <= latest.get() {
-                self.queue.push(Entry { bound, node: pair });
+                if self.queue.len() < MOST_WAITING {
+                    self.queue.push(Entry { bound, node: pair });
+                } else {
+                    self.stack.push(pair);
+                }
             }
         } else if order == Order::Any
             && let (ChildKind::Leaf(a), ChildKind::Leaf(b)) = (pair.0.child.kind(), pair.1.child.kind())
@@ -316,13 +320,16 @@ impl OverlapWalk {
 
     #[inline(always)]
     fn next(&mut self, order: Order<'_>) -> Option<(Node, Node)> {
+        if let Some(pair) = self.stack.pop() {
+            return Some(pair);
+        }
         if let Order::EarliestFirst(latest) = order {
             let next = self.queue.pop()?;
             self.bound = next.bound;
             // All others are as late.
             return (next.bound <= latest.get()).then_some(next.node);
         }
-        self.stack.pop()
+        None
     }
 }
 

@@ -14,7 +14,7 @@ use super::stages::StageCounts;
 /// coordinate that is not finite, the answer is `false`.
 ///
 /// Cost: a filter in `f64` decides nearly all queries, most of them by a few comparisons. What is left, which is contact or distance
-/// within rounding, takes exact arithmetic: tens of microseconds. It takes longer, up to seconds, the more the magnitudes of
+/// within rounding, takes exact arithmetic: tens of microseconds. It takes longer, up to a millisecond, the more the magnitudes of
 /// the coordinates differ. Coordinates with differences outside of about `1e-30` to `1e30` always take the exact path.
 ///
 /// ```

@@ -55,8 +55,14 @@ impl MovingBall {
     }
 
     /// When and where the ball, which is no point, first touches a triangle; `None` if it does not, or only after `latest`.
-    pub(super) fn impact(&self, triangle: &MovingTriangle<'_>, tolerance: f64, latest: f64) -> Option<BallImpact> {
-        let time = ball_impact(&self.center, self.radius, &triangle.points, tolerance, latest)?;
+    /// Adds the work to `looks`.
+    pub(super) fn impact(
+        &self,
+        triangle: &MovingTriangle<'_>,
+        (tolerance, latest): (f64, f64),
+        looks: &mut u64,
+    ) -> Option<BallImpact> {
+        let time = ball_impact(&self.center, self.radius, &triangle.points, tolerance, latest, looks)?;
         let middle = time.earliest.midpoint(time.latest);
         let seen = seen_from(&self.center, &triangle.points);
         let closest = closest_on_triangle(DVec3::ZERO, &seen.map(|corner| corner.at(middle)));

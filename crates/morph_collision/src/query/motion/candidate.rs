@@ -172,6 +172,7 @@ fn counted<T>(stats: &mut QueryStats, test: impl FnOnce(&mut StageCounts) -> T) 
     let mut stages = StageCounts::default();
     let answer = test(&mut stages);
     stats.feature_tests += stages.total();
+    stats.feature_tests_at_ends += stages.at_ends;
     stats.exact_feature_tests += stages.exact;
     stats.exact_bits += stages.exact_bits;
     answer

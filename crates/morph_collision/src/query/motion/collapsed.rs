@@ -5,6 +5,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use super::leaves::AtTriangles;
+use super::limit::Limit;
 use super::triangle::MovingTriangle;
 use crate::bounds::first_overlap;
 use crate::exact::motion::MovingPoint;
@@ -16,6 +17,8 @@ use crate::traverse::Moving;
 #[derive(Debug, Default)]
 pub(super) struct CollapsedMotion {
     bodies: [Triangles; 2],
+    /// The work of placing them, in steps.
+    placing: u64,
     walk: DistinctWalk,
 }
 
@@ -25,21 +28,41 @@ struct Triangles {
     distinct: DistinctTriangles<2>,
 }
 
+/// The steps for which placing and sorting a triangle counts: about 200 ns.
+const PLACING: u64 = 64;
+
 impl CollapsedMotion {
-    /// Calls `at_triangles` for pairs of triangles that may touch at times up to `latest`, earlier ones first, until it breaks or the walk
-    /// takes more than `most` tests of nodes. Of triangles that move alike, only the one with the lowest number is visited, and it stands
+    /// Starts a query.
+    pub(super) fn begin(&mut self) {
+        self.placing = 0;
+    }
+
+    /// The steps that the last query took to place triangles.
+    pub(super) fn placing(&self) -> u64 {
+        self.placing
+    }
+
+    /// Calls `at_triangles` for pairs of triangles that may touch at times up to `latest`, earlier ones first, until it breaks or the limit
+    /// is reached. Of triangles that move alike, only the one with the lowest number is visited, and it stands
     /// for all its features. If the walk ends early, returns a time before which no others touch.
     ///
     /// Blends every vertex; `O(n log n)`.
     pub(super) fn run(
         &mut self,
         [a, b]: [&mut Moving<'_, '_>; 2],
-        (latest, most): (&Cell<f64>, u64),
+        (latest, limit): (&Cell<f64>, &Limit),
         stats: &mut QueryStats,
         at_triangles: &mut AtTriangles<'_>,
     ) -> Option<f64> {
-        let Self { bodies, walk } = self;
+        let Self { bodies, placing, walk } = self;
         let [of_a, of_b] = bodies;
+        let count = |body: &Moving<'_, '_>| body.ends[0].model.triangle_count() as u64;
+        let most = limit.most.saturating_sub(PLACING * (count(a) + count(b)));
+        if most == 0 {
+            let _cut = limit.cut();
+            return Some(0.0);
+        }
+        *placing = limit.most - most;
         of_a.fill(a);
         of_b.fill(b);
         let distinct = [&of_a.distinct, &of_b.distinct];
@@ -49,6 +72,9 @@ impl CollapsedMotion {
             at_triangles(&t, &s, stats)?;
             ControlFlow::Continue(latest.get())
         });
+        if stats.node_tests > most {
+            let _cut = limit.cut();
+        }
         flow.is_break().then(|| walk.lowest_left(distinct, first_overlap))
     }
 }

@@ -9,6 +9,9 @@ const STEPS_FOR_TIES: u64 = 100_000;
 pub(super) struct Earliest<T> {
     tolerance: f64,
     contact: Option<(TimeOfImpact, T)>,
+    /// Nothing that was added touches before this time. Times of balls may be long intervals, so one that is later at its end may be
+    /// earlier at its start.
+    not_before: f64,
     /// The work until the first contact was found.
     steps: u64,
     /// Whether contacts are left out that begin less than the tolerance before this one.
@@ -21,6 +24,7 @@ impl<T> Earliest<T> {
         Self {
             tolerance: tolerance.max(0.0),
             contact: None,
+            not_before: 1.0,
             steps: 0,
             is_hurried: false,
         }
@@ -33,6 +37,7 @@ impl<T> Earliest<T> {
         key: impl Fn(&T) -> K,
         stats: &QueryStats,
     ) -> bool {
+        self.not_before = self.not_before.min(time.earliest);
         let order = |time: &TimeOfImpact, contact: &T| (time.latest, time.earliest, key(contact));
         match &self.contact {
             None => self.steps = steps(stats),
@@ -73,8 +78,27 @@ impl<T> Earliest<T> {
             (Some((time, _)), Ok(())) => time.earliest,
         };
         Ok(self.contact.map(|(time, contact)| {
-            let earliest = time.earliest.min(not_before);
+            let earliest = self.not_before.min(not_before);
             (TimeOfImpact { earliest, ..time }, contact)
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_interval_is_not_forgotten_for_a_short_one_that_ends_earlier() {
+        let time = |earliest, latest| TimeOfImpact { earliest, latest };
+        let (long, short) = (time(0.5, 1.0), time(0.84, 0.85));
+        for order in [[long, short], [short, long]] {
+            let mut earliest = Earliest::new(1e-6);
+            for time in order {
+                earliest.add((time, time.latest), |latest| *latest, &QueryStats::default());
+            }
+            let found = earliest.found(Ok(())).unwrap();
+            assert_eq!(found, Some((time(0.5, 0.85), 0.85)));
+        }
     }
 }

@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 use glam::DVec3;
 
+use super::limit::Limit;
 use super::triangle::MovingTriangle;
 use crate::bounds::{Aabb, Extent, LANES, MovingLanes, lanes_of, with_simd};
 use crate::exact::motion::MovingPoint;
@@ -125,12 +126,13 @@ pub(super) type AtTriangles<'v> =
 /// A body, its leaves, and who owns its vertices and edges.
 pub(super) type Side<'s, 'm, 'p> = (&'s mut Moving<'m, 'p>, &'s mut MovingLeaves, &'s Owners);
 
-/// Calls `at_triangles` for pairs of triangles of two bodies' leaves that may touch at times up to `latest`, until it breaks.
+/// Calls `at_triangles` for pairs of triangles of two bodies' leaves that may touch at times up to `latest`, until it breaks or the limit is
+/// reached.
 pub(super) fn triangles_of_both(
     (a, leaves_a, owners_a): Side<'_, '_, '_>,
     (b, leaves_b, owners_b): Side<'_, '_, '_>,
     leaves: &[(Leaf, Leaf)],
-    (latest, stats): (&Cell<f64>, &mut QueryStats),
+    (latest, limit, stats): (&Cell<f64>, &Limit, &mut QueryStats),
     at_triangles: &mut AtTriangles<'_>,
 ) -> ControlFlow<()> {
     for &(leaf_a, leaf_b) in leaves {
@@ -146,6 +148,7 @@ pub(super) fn triangles_of_both(
             at_triangles(&t, &s, stats)
         };
         with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair))?;
+        limit.check(stats)?;
     }
     ControlFlow::Continue(())
 }

@@ -76,8 +76,12 @@ query_basics!(MotionQuery, |query| query.stats);
 impl MotionQuery {
     /// Limits the work of every call to about this many steps, which take a few nanoseconds each. By default, calls end after minutes.
     ///
-    /// A step is the test of two boxes. A pair of features that the `f64` filter decides counts as 64 steps, and one that takes exact
-    /// arithmetic as 200 for each bit of its coordinates, more than 10,000. The search for triangles that intersect when the motion starts is not limited.
+    /// A step is the test of two boxes. A pair of features that the `f64` filter decides counts as 64 steps, one that is decided by exact
+    /// signs at the start or at the end as 500, and one that takes exact polynomials as 200 for each bit of its coordinates, more than
+    /// 10,000. Each interval of time that is looked at for a ball counts as 64. If all triangles of collapsed bodies are compared, each
+    /// takes 64. Tests of nodes and all other work have the limit separately, so a call may take twice as many steps.
+    ///
+    /// The search for triangles that intersect when the motion starts is not limited.
     #[must_use]
     pub fn with_limit(mut self, steps: u64) -> Self {
         self.set_limit(steps);
@@ -92,7 +96,7 @@ impl MotionQuery {
     /// The work of the last call, in the steps of [`MotionQuery::with_limit`].
     #[must_use]
     pub fn steps(&self) -> u64 {
-        steps(&self.stats)
+        steps(&self.stats) + self.walk.placing()
     }
 
     /// Appends every pair of features that touch, in the order of the walk. Each pair is listed once.
@@ -118,7 +122,7 @@ impl MotionQuery {
     /// Appends the first `limit` contacts of [`MotionQuery::all`]; returns whether there are more.
     ///
     /// # Errors
-    /// [`LimitReached`] if fewer were found, and there may be more.
+    /// [`LimitReached`] if there may be more, unless more than `limit` were found.
     pub fn up_to(
         &mut self,
         a: MovingBody<'_>,
@@ -157,7 +161,8 @@ impl MotionQuery {
     /// Returns the first contact, if there is one.
     ///
     /// Nothing touches before `time.earliest`, and these features touch at `time.latest` or before. If several contacts have the same time,
-    /// the smallest [`Features`] win. If telling which of very many contacts is the first takes too much work, the answer is one that begins
+    /// the smallest [`Features`] win; but if bodies are as small as rounding errors, of triangles that move alike only the one with the
+    /// smallest number is compared. If telling which of very many contacts is the first takes too much work, the answer is one that begins
     /// at most the tolerance after the first one; which one depends on the tree.
     ///
     /// Bodies that intersect when the motion starts are in contact then ([`AtStart`](super::Features::AtStart)).
@@ -180,7 +185,7 @@ impl MotionQuery {
         let mut earliest = Earliest::new(tolerance);
         let latest = Cell::new(1.0);
         let walked = self.features(a, b, Search::First(&latest), &mut |candidate, stats| {
-            let features = |contact: &MotionContact| contact.features;
+            let features = |contact: &MotionContact| (contact.features, contact.triangles);
             if let Some(contact) = candidate.impact(tolerance, stats)
                 && earliest.add((contact.time, contact), features, stats)
             {
@@ -225,8 +230,12 @@ impl MotionQuery {
     /// of time, the one with the smallest number is returned.
     ///
     /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before
-    /// `time.earliest`. It may count as touching although it passes by so closely that this is unclear when the time has been halved to
-    /// intervals as short as the tolerance (or `2^-40`), or closer than 2e-14 of the largest distance between its center and the triangle.
+    /// `time.earliest`. It may count as touching although it passes by so closely that this is unclear
+    ///
+    /// - when the time has been halved to intervals as short as the tolerance (or `2^-40`),
+    /// - after 65,536 intervals for one triangle, as with a gap of a millionth of the triangle's size while it turns by 4 degrees. Then the
+    ///   difference between the two ends of `time` may be much larger than the tolerance, or
+    /// - because the gap is less than 2e-14 of the largest distance between the center and the triangle.
     ///
     /// Time, cost and errors are those of [`MotionQuery::first`].
     ///
@@ -261,8 +270,7 @@ impl MotionQuery {
         let latest = Cell::new(1.0);
         let mut test = |triangle: &MovingTriangle<'_>, _: &MovingTriangle<'_>, stats: &mut QueryStats| {
             let impact = if ball.radius() > 0.0 {
-                stats.feature_tests += 1;
-                ball.impact(triangle, tolerance, latest.get())
+                ball.impact(triangle, (tolerance, latest.get()), &mut stats.feature_tests)
             } else {
                 let features = Features::FaceVertex {
                     triangle_a: triangle.number,

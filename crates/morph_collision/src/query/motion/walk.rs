@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::MovingBody;
 use super::collapsed::CollapsedMotion;
 use super::leaves::{AtTriangles, MovingLeaves, Observer, triangles_of_both, triangles_of_one};
-use super::limit::{LimitReached, steps};
+use super::limit::{Limit, LimitReached};
 use super::triangle::MovingTriangle;
 use crate::pose::Posed;
 use crate::query::QueryStats;
@@ -38,6 +38,11 @@ pub(super) struct MotionWalk {
 }
 
 impl MotionWalk {
+    /// The work of the last walk of two bodies that its stats do not count, in steps: for placing the triangles of collapsed bodies.
+    pub(super) fn placing(&self) -> u64 {
+        self.collapsed.placing()
+    }
+
     /// Whether the bodies' bounds overlap at any time.
     pub(super) fn bounds_overlap(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> bool {
         let [boxes_a, boxes_b] = &mut self.boxes;
@@ -73,6 +78,7 @@ impl MotionWalk {
             ..
         } = self;
         *stats = QueryStats::default();
+        collapsed.begin();
         let (middle, drift) = drift(&mut ends_a);
         let mut a = Moving::new(ends_a, drift, boxes_a, false);
         let mut b = Moving::new(ends_b, drift, boxes_b, false);
@@ -82,37 +88,38 @@ impl MotionWalk {
             Search::Any => (Order::DeepestFirst, &always),
             Search::First(latest) => (Order::EarliestFirst(latest), latest),
         };
-        let mut is_cut = false;
+        let limit = Limit::new(limit);
         let mut within_limit = |t: &MovingTriangle<'_>, s: &MovingTriangle<'_>, stats: &mut QueryStats| {
             at_triangles(t, s, stats)?;
-            check(stats, limit, &mut is_cut)
+            limit.check(stats)
         };
         let mut not_before = 0.0;
         if !placements(&a, &b).begin_walk(walk) {
             stats.node_tests = 1;
         } else if !matches!(search, Search::All) && are_collapsed(&a, &b) {
-            let left = collapsed.run([&mut a, &mut b], (latest, limit), stats, &mut within_limit);
-            is_cut |= left.is_some() && stats.node_tests > limit;
+            let left = collapsed.run([&mut a, &mut b], (latest, &limit), stats, &mut within_limit);
             not_before = left.unwrap_or(0.0);
         } else {
             let observer = Observer::new(middle, drift, a.standing().size);
             leaves_a.begin(observer);
             leaves_b.begin(observer);
-            let tests_before = walk.limit(limit);
+            let tests_before = walk.limit(limit.most);
             let _stopped_early = walk.run((&mut a, &mut b), &[], order, &mut |a, b, leaves| {
                 let of_a = (a, &mut *leaves_a, bvh_a.owners());
                 let of_b = (b, &mut *leaves_b, bvh_b.owners());
-                triangles_of_both(of_a, of_b, leaves, (latest, stats), &mut within_limit)
+                triangles_of_both(of_a, of_b, leaves, (latest, &limit, stats), &mut within_limit)
             });
             stats.node_tests = walk.node_tests - tests_before;
-            is_cut |= walk.is_cut();
+            if walk.is_cut() {
+                let _cut = limit.cut();
+            }
             if let Search::First(_) = search {
                 not_before = walk.bound();
             }
         }
         let after = [&a.ends[0], &a.ends[1], &b.ends[0], &b.ends[1]].map(Posed::blended);
         *stats += QueryStats::blending(before, after);
-        if is_cut {
+        if limit.is_cut() {
             Err(LimitReached { not_before })
         } else {
             Ok(())
@@ -141,42 +148,32 @@ impl MotionWalk {
         let (middle, drift) = drift(&mut ends);
         let mut body = Moving::new(ends, drift, boxes, true);
         leaves.begin(Observer::new(middle, drift, body.standing().size));
-        let mut is_cut = false;
+        let limit = Limit::new(limit);
         let mut within_limit = |t: &MovingTriangle<'_>, s: &MovingTriangle<'_>, stats: &mut QueryStats| {
             at_triangles(t, s, stats)?;
-            check(stats, limit, &mut is_cut)
+            limit.check(stats)
         };
         let front = bvh.self_front();
         let mut at_leaves = |body: &mut Moving<'_, '_>, a, b| {
-            triangles_of_one((body, leaves, bvh.owners()), [a, b], stats, &mut within_limit)
+            triangles_of_one((body, leaves, bvh.owners()), [a, b], stats, &mut within_limit)?;
+            limit.check(stats)
         };
         let neighbours = front.neighbours.iter().filter(|pair| pair.patches == [0; 2]);
         let of_neighbours = neighbours
             .map(PatchPair::leaves)
             .try_for_each(|[a, b]| at_leaves(&mut body, a, b));
         let tests = match of_neighbours {
-            ControlFlow::Continue(()) => walk_within(&mut body, &front.apart, stack, limit, at_leaves),
+            ControlFlow::Continue(()) => walk_within(&mut body, &front.apart, stack, limit.most, at_leaves),
             ControlFlow::Break(()) => 0,
         };
         stats.node_tests = tests;
-        is_cut |= tests > limit;
         let [start, end] = &body.ends;
         *stats += QueryStats::blending(before, [start.blended(), end.blended()]);
-        if is_cut {
+        if limit.is_cut() || tests > limit.most {
             Err(LimitReached { not_before: 0.0 })
         } else {
             Ok(())
         }
-    }
-}
-
-/// Breaks if there was more work than the limit allows.
-fn check(stats: &QueryStats, limit: u64, is_cut: &mut bool) -> ControlFlow<()> {
-    *is_cut = steps(stats) > limit;
-    if *is_cut {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
     }
 }
 

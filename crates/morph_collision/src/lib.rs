@@ -69,7 +69,7 @@ pub use bounds::{Aabb, Kernel, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
 pub use input_error::InputError;
 pub use joints::JointMatrices;
-pub use model::{Influences, ModelError, MorphModel};
+pub use model::{Influences, ModelError, MorphModel, SparseTarget, TargetDisplacements};
 pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 pub use query::{
     Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,

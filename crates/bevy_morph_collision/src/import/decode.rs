@@ -37,6 +37,13 @@ impl<'a> Positions<'a> {
         }
     }
 
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Plain(values) => values.len(),
+            Self::Compressed { values, .. } => values.len(),
+        }
+    }
+
     /// Copies at most `left` more positions. Returns whether the copy is complete.
     pub(super) fn copy(&self, into: &mut Vec<Vec3>, left: &mut usize) -> bool {
         match *self {

@@ -1,9 +1,10 @@
 //! The data of a [`Mesh`] that a tree needs, with checks for mistakes that only Bevy's meshes can have.
 
 use bevy::asset::RenderAssetUsages;
+use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology};
 use bevy::prelude::*;
-use morph_collision::{InputError, ModelError, MorphModel};
+use morph_collision::{InputError, ModelError, MorphModel, SparseTarget};
 use thiserror::Error;
 
 use super::decode::Positions;
@@ -96,8 +97,10 @@ pub(super) struct MeshData {
     /// The index that restarts a strip, for indexed strips.
     restart: Option<u32>,
     is_strip: bool,
-    /// Target by target.
-    displacements: Vec<Vec3>,
+    /// Sparse, because a face's targets move only a part of its vertices each.
+    targets: Vec<SparseTarget>,
+    /// The number of displacements in all targets.
+    displacements: usize,
     named_targets: Option<usize>,
     /// Set if the mesh is shown with a skeleton.
     skin: Option<SkinData>,
@@ -126,7 +129,8 @@ impl MeshData {
                 Indices::U32(_) => u32::MAX,
             }),
             is_strip,
-            displacements: Vec::new(),
+            targets: Vec::new(),
+            displacements: 0,
             named_targets: mesh.try_morph_target_names()?.map(<[String]>::len),
             skin: match joints {
                 Some(joint_count) => SkinData::of(mesh, joint_count)?,
@@ -140,7 +144,8 @@ impl MeshData {
     ///
     /// The mesh must not have changed since the copy was started.
     pub(super) fn copy(&mut self, mesh: &Mesh, left: &mut usize) -> Result<bool, ImportError> {
-        let mut is_complete = Positions::of(mesh)?.copy(&mut self.positions, left);
+        let positions = Positions::of(mesh)?;
+        let mut is_complete = positions.copy(&mut self.positions, left);
         if let Some(copied) = &mut self.indices {
             is_complete &= match mesh.try_indices_option()? {
                 Some(Indices::U16(indices)) => copy(copied, indices, left, |&index| index.into()),
@@ -149,7 +154,7 @@ impl MeshData {
             };
         }
         match mesh.try_morph_targets() {
-            Ok(displacements) => is_complete &= copy(&mut self.displacements, displacements, left, |d| d.position),
+            Ok(displacements) => is_complete &= self.copy_displacements(displacements, positions.len(), left),
             Err(MeshAccessError::NotFound) => {}
             Err(error) => return Err(error.into()),
         }
@@ -159,10 +164,33 @@ impl MeshData {
         Ok(is_complete)
     }
 
+    /// Continues to copy the displacements of all targets, which have one per vertex. Returns whether all are copied.
+    fn copy_displacements(&mut self, all: &[MorphAttributes], vertices: usize, left: &mut usize) -> bool {
+        let missing = all.get(self.displacements..).unwrap_or_default();
+        let mut now = &missing[..missing.len().min(*left)];
+        *left -= now.len();
+        let is_complete = now.len() == missing.len();
+        self.displacements += now.len();
+        while !now.is_empty() {
+            let target = match self.targets.last_mut().filter(|target| target.len() < vertices) {
+                Some(target) => target,
+                None => self.targets.push_mut(SparseTarget::default()),
+            };
+            // Without vertices, the number of displacements is an error.
+            let of_target = now.len().min((vertices - target.len()).max(1));
+            target.extend(now[..of_target].iter().map(|d| d.position));
+            if target.len() >= vertices {
+                target.shrink_to_fit();
+            }
+            now = &now[of_target..];
+        }
+        is_complete
+    }
+
     /// Builds a model from the complete copy, in a background task. Returns it with the vertices of each triangle, as numbered in
     /// the mesh.
     pub(super) fn into_model(self) -> Result<(MorphModel, Vec<[u32; 3]>), ImportError> {
-        let targets = self.targets()?;
+        self.check_targets()?;
         let vertices = self.positions.len();
         let is_list = !self.is_strip;
         let indices = self.indices.unwrap_or_else(|| (0..vertices as u32).collect());
@@ -171,28 +199,24 @@ impl MeshData {
         } else {
             strip_triangles(&indices, self.restart)
         };
-        let targets: Vec<&[Vec3]> = match targets {
-            0 => Vec::new(),
-            _ => self.displacements.chunks_exact(vertices).collect(),
-        };
         let model = match &self.skin {
             Some(skin) => MorphModel::skinned(
                 &self.positions,
                 &corners,
-                &targets,
+                &self.targets,
                 skin.joint_count(),
                 &[skin.influences()],
             )?,
-            None => MorphModel::from_displacements(&self.positions, &corners, &targets)?,
+            None => MorphModel::from_displacements(&self.positions, &corners, &self.targets)?,
         };
         Ok((model, corners))
     }
 
-    /// The number of targets.
-    fn targets(&self) -> Result<usize, ImportError> {
-        let (displacements, vertices) = (self.displacements.len(), self.positions.len());
+    /// Checks that every target has one displacement per vertex.
+    fn check_targets(&self) -> Result<(), ImportError> {
+        let (displacements, vertices) = (self.displacements, self.positions.len());
         if displacements == 0 {
-            return Ok(0);
+            return Ok(());
         }
         // `Mesh::duplicate_vertices` drops the indices and ignores the displacements. In that case the number of target names
         // decides. Elsewhere names are free text from a file, and any whole number of targets is accepted.
@@ -203,7 +227,7 @@ impl MeshData {
             None => vertices > 0 && displacements.is_multiple_of(vertices),
         };
         if fits {
-            return Ok(displacements / vertices);
+            return Ok(());
         }
         // One displacement per vertex of the file, which has no more vertices than the mesh has now.
         let of_fewer = match names {

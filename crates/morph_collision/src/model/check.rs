@@ -1,9 +1,8 @@
 //! Checks of a mesh's positions, displacements and triangles.
 
-use glam::Vec3;
-
 use super::ModelError;
 use super::morph_model::LARGEST;
+use super::targets::TargetDisplacements;
 
 pub(super) fn count(what: &'static str, count: usize, limit: usize) -> Result<(), ModelError> {
     if count > limit {
@@ -13,20 +12,20 @@ pub(super) fn count(what: &'static str, count: usize, limit: usize) -> Result<()
 }
 
 /// Checks that a shape has `expected` vectors, and that their coordinates are finite and in range.
-pub(super) fn vectors(shape: &str, vectors: &[Vec3], expected: usize) -> Result<(), ModelError> {
-    if vectors.len() != expected {
+pub(super) fn vectors(shape: &str, vectors: &impl TargetDisplacements, expected: usize) -> Result<(), ModelError> {
+    if vectors.vertex_count() != expected {
         return Err(ModelError::LengthMismatch {
             shape: shape.to_owned(),
-            length: vectors.len(),
+            length: vectors.vertex_count(),
             expected,
         });
     }
-    for (vertex, vector) in vectors.iter().enumerate() {
+    for (stored, vector) in vectors.stored().iter().enumerate() {
         let is_bad = |value: &f32| !value.is_finite() || value.abs() > LARGEST;
         if let Some(value) = vector.to_array().into_iter().find(is_bad) {
             return Err(ModelError::BadCoordinate {
                 shape: shape.to_owned(),
-                vertex,
+                vertex: vectors.vertex_of(stored),
                 value,
             });
         }

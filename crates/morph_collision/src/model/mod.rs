@@ -5,7 +5,9 @@ mod check;
 mod displacement;
 mod error;
 mod morph_model;
+mod numbering;
 mod skin;
+mod targets;
 mod weight_box;
 mod weights;
 mod weld;
@@ -16,6 +18,7 @@ pub(crate) use morph_model::LARGEST;
 pub use morph_model::MorphModel;
 pub use skin::Influences;
 pub(crate) use skin::{Influence, Skin};
+pub use targets::{SparseTarget, TargetDisplacements};
 pub use weight_box::WeightBox;
 pub(crate) use weights::Weights;
 

@@ -1,10 +1,12 @@
-use std::collections::BTreeMap;
 use std::fmt;
+use std::hash::Hasher;
 
 use glam::{Vec3, Vec3A};
 
-use super::skin::{self, Influence, Influences, Skin};
-use super::weld::weld;
+use super::numbering::Numbering;
+use super::skin::{Influences, Skin, SlotInfluences};
+use super::targets::TargetDisplacements;
+use super::weld::{Welded, weld};
 use super::{Displacement, ModelError, Weights, check};
 use crate::hash::{START, hash};
 
@@ -56,7 +58,9 @@ pub struct MorphModel {
 impl MorphModel {
     /// Creates a model from base positions and per-target displacements, as glTF stores them: a vertex is `base + sum_k w_k d_k`.
     ///
-    /// Each target has one displacement per base vertex. `triangles` index the base.
+    /// Each target has one displacement per base vertex, dense or as a [`SparseTarget`](crate::SparseTarget). `triangles` index the base.
+    ///
+    /// Takes little more memory than the model needs afterwards.
     ///
     /// # Errors
     /// [`ModelError`] if
@@ -67,7 +71,7 @@ impl MorphModel {
     /// - a coordinate is not finite, or larger than 1e37 in absolute value
     ///
     /// The error names the target, vertex or triangle.
-    pub fn from_displacements<T: AsRef<[Vec3]>>(
+    pub fn from_displacements<T: TargetDisplacements>(
         base: &[Vec3],
         triangles: &[[u32; 3]],
         targets: &[T],
@@ -83,26 +87,26 @@ impl MorphModel {
     /// # Errors
     /// As for [`MorphModel::from_displacements`], and if a set of influences and the base have different lengths, an influence has a weight
     /// that is NaN, negative or more than 1000, or its joint is out of range. The error names the vertex, the influence and the joint.
-    pub fn skinned<T: AsRef<[Vec3]>>(
+    pub fn skinned<T: TargetDisplacements>(
         base: &[Vec3],
         triangles: &[[u32; 3]],
         targets: &[T],
         joint_count: usize,
         influences: &[Influences<'_>],
     ) -> Result<Self, ModelError> {
-        let of_vertex = skin::checked(base.len(), joint_count, influences)?;
-        Self::new(base, triangles, targets, Some((joint_count, of_vertex)))
+        let influences = SlotInfluences::checked(base.len(), joint_count, influences)?;
+        Self::new(base, triangles, targets, Some(&influences))
     }
 
-    fn new<T: AsRef<[Vec3]>>(
+    fn new<T: TargetDisplacements>(
         base: &[Vec3],
         triangles: &[[u32; 3]],
         targets: &[T],
-        skin: Option<(usize, Vec<Vec<Influence>>)>,
+        influences: Option<&SlotInfluences<'_>>,
     ) -> Result<Self, ModelError> {
-        check::vectors("base", base, base.len())?;
+        check::vectors("base", &base, base.len())?;
         for (k, target) in targets.iter().enumerate() {
-            check::vectors(&format!("target {k}"), target.as_ref(), base.len())?;
+            check::vectors(&format!("target {k}"), target, base.len())?;
         }
         if base.is_empty() {
             return Err(ModelError::NoVertices);
@@ -111,37 +115,42 @@ impl MorphModel {
         check::count("targets", targets.len(), u16::MAX as usize)?;
         check::triangles(triangles, base.len())?;
 
-        let of_vertex: Vec<_> = (0..base.len())
-            .map(|vertex| Displacement::sparse(vertex, targets))
-            .collect();
-        let influences = skin.as_ref().map_or(&[][..], |(_, influences)| influences);
-        let (welded_from_source, firsts) = weld(base, &of_vertex, influences);
-        let (mut deltas, mut starts) = (Vec::new(), vec![0]);
-        let (mut targets_of_lists, mut lists, mut known) = (Vec::new(), Vec::new(), BTreeMap::new());
+        let Welded {
+            from_source: welded_from_source,
+            firsts,
+            displacements,
+        } = weld(base, targets, influences);
+        let mut deltas = Vec::with_capacity(displacements);
+        let (mut starts, mut lists) = (Vec::with_capacity(firsts.len() + 1), Vec::with_capacity(firsts.len()));
+        starts.push(0);
+        let (mut list, mut known) = (Vec::new(), Lists::new(firsts.len()));
         for &first in &firsts {
-            deltas.extend(of_vertex[first].iter().map(|d| d.delta));
+            list.clear();
+            for (target, of_target) in (0..).zip(targets) {
+                let delta = of_target.of(first as usize);
+                if delta != Vec3::ZERO {
+                    list.push(target);
+                    deltas.push(delta);
+                }
+            }
             starts.push(deltas.len() as u32);
-            let list: Vec<u16> = of_vertex[first].iter().map(|d| d.target).collect();
-            lists.push(*known.entry(list).or_insert_with_key(|list| {
-                targets_of_lists.extend_from_slice(list);
-                (targets_of_lists.len() - list.len()) as u32
-            }));
+            lists.push(known.start_of(&list));
         }
+        known.targets.shrink_to_fit();
         Ok(Self {
-            base: firsts.iter().map(|&first| base[first]).collect(),
+            base: firsts.iter().map(|&first| base[first as usize]).collect(),
             deltas,
             starts,
-            targets: targets_of_lists,
+            targets: known.targets,
             lists,
             triangles: triangles
                 .iter()
                 .map(|corners| corners.map(|source| welded_from_source[source as usize]))
                 .collect(),
             welded_from_source,
-            skin: skin
-                .map(|(joint_count, of_vertex)| Skin::new(joint_count, firsts.iter().map(|&first| &of_vertex[first]))),
+            skin: influences.map(|influences| Skin::new(influences, &firsts)),
             base_reach: reach(base),
-            target_reach: targets.iter().map(|target| reach(target.as_ref())).collect(),
+            target_reach: targets.iter().map(|target| reach(target.stored())).collect(),
         })
     }
 
@@ -292,6 +301,39 @@ impl MorphModel {
             position += Vec3A::from(delta) * weight;
         });
         position
+    }
+}
+
+/// Lists of targets, each stored once.
+struct Lists {
+    targets: Vec<u16>,
+    /// The ranges of the lists in `targets`, by number.
+    ranges: Vec<(u32, u32)>,
+    numbering: Numbering,
+}
+
+impl Lists {
+    fn new(count: usize) -> Self {
+        Self {
+            targets: Vec::new(),
+            ranges: Vec::new(),
+            numbering: Numbering::new(count),
+        }
+    }
+
+    /// The place in `targets` where a list starts.
+    fn start_of(&mut self, list: &[u16]) -> u32 {
+        let mut hasher = self.numbering.hasher();
+        list.iter().for_each(|&target| hasher.write_u16(target));
+        let (number, is_new) = self.numbering.number(&hasher, |number| {
+            let (start, len) = self.ranges[number as usize];
+            self.targets[start as usize..][..len as usize] == *list
+        });
+        if is_new {
+            self.ranges.push((self.targets.len() as u32, list.len() as u32));
+            self.targets.extend_from_slice(list);
+        }
+        self.ranges[number as usize].0
     }
 }
 

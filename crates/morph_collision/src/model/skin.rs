@@ -47,18 +47,23 @@ pub(crate) struct Skin {
 }
 
 impl Skin {
-    pub(super) fn new<'v>(joint_count: usize, of_vertices: impl Iterator<Item = &'v Vec<Influence>>) -> Self {
+    /// The influences of some vertices.
+    pub(super) fn new(all: &SlotInfluences<'_>, vertices: &[u32]) -> Self {
+        let of = |&vertex: &u32| all.of(vertex as usize);
         let mut skin = Self {
-            joint_count,
-            influences: Vec::new(),
-            starts: vec![0],
+            joint_count: all.joint_count,
+            influences: Vec::with_capacity(vertices.iter().flat_map(of).count()),
+            starts: Vec::with_capacity(vertices.len() + 1),
             max_sum: 0.0,
             max_missing: 0.0,
         };
-        for influences in of_vertices {
+        skin.starts.push(0);
+        for influences in vertices.iter().map(of) {
+            let first = skin.influences.len();
             skin.influences.extend(influences);
             skin.starts.push(skin.influences.len() as u32);
-            let sum: f64 = influences.iter().map(|influence| f64::from(influence.weight)).sum();
+            let of_vertex = skin.influences[first..].iter();
+            let sum: f64 = of_vertex.map(|influence| f64::from(influence.weight)).sum();
             let rounding = 8.0 * f64::EPSILON * (1.0 + sum);
             skin.max_sum = skin.max_sum.max(sum + rounding);
             skin.max_missing = skin.max_missing.max((1.0 - sum).abs() + rounding);
@@ -130,52 +135,60 @@ impl Skin {
     }
 }
 
-/// Checks influences. Returns those of each vertex, in slot order, without those of weight 0.
-pub(super) fn checked(
-    vertices: usize,
+/// Checked influences, as they were passed in.
+pub(super) struct SlotInfluences<'a> {
     joint_count: usize,
-    sets: &[Influences<'_>],
-) -> Result<Vec<Vec<Influence>>, ModelError> {
-    super::check::count("joints", joint_count, usize::from(u16::MAX) - 1)?;
-    super::check::count("sets of influences", sets.len(), MAX_SETS)?;
-    for (set, Influences { joints, weights }) in sets.iter().enumerate() {
-        for (what, length) in [("joints", joints.len()), ("weights", weights.len())] {
-            if length != vertices {
-                return Err(ModelError::LengthMismatch {
-                    shape: format!("{what} of influences {set}"),
-                    length,
-                    expected: vertices,
-                });
+    sets: &'a [Influences<'a>],
+}
+
+impl<'a> SlotInfluences<'a> {
+    /// Checks influences of this many vertices.
+    pub(super) fn checked(vertices: usize, joint_count: usize, sets: &'a [Influences<'a>]) -> Result<Self, ModelError> {
+        super::check::count("joints", joint_count, usize::from(u16::MAX) - 1)?;
+        super::check::count("sets of influences", sets.len(), MAX_SETS)?;
+        for (set, Influences { joints, weights }) in sets.iter().enumerate() {
+            for (what, length) in [("joints", joints.len()), ("weights", weights.len())] {
+                if length != vertices {
+                    return Err(ModelError::LengthMismatch {
+                        shape: format!("{what} of influences {set}"),
+                        length,
+                        expected: vertices,
+                    });
+                }
             }
         }
-    }
-    let of_vertex = |vertex: usize| {
-        let slots = sets
-            .iter()
-            .flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
-        let mut influences = Vec::new();
-        for (slot, (joint, weight)) in slots.enumerate() {
-            if !(0.0..=MAX_WEIGHT).contains(&weight) {
-                return Err(ModelError::BadInfluence {
-                    vertex,
-                    slot,
-                    joint,
-                    weight,
-                });
-            }
-            if weight > 0.0 && usize::from(joint) >= joint_count {
-                return Err(ModelError::JointOutOfRange {
-                    vertex,
-                    slot,
-                    joint,
-                    joint_count,
-                });
-            }
-            if weight > 0.0 {
-                influences.push(Influence { joint, weight });
+        let influences = Self { joint_count, sets };
+        for vertex in 0..vertices {
+            for (slot, (joint, weight)) in influences.slots(vertex).enumerate() {
+                if !(0.0..=MAX_WEIGHT).contains(&weight) {
+                    return Err(ModelError::BadInfluence {
+                        vertex,
+                        slot,
+                        joint,
+                        weight,
+                    });
+                }
+                if weight > 0.0 && usize::from(joint) >= joint_count {
+                    return Err(ModelError::JointOutOfRange {
+                        vertex,
+                        slot,
+                        joint,
+                        joint_count,
+                    });
+                }
             }
         }
         Ok(influences)
-    };
-    (0..vertices).map(of_vertex).collect()
+    }
+
+    fn slots(&self, vertex: usize) -> impl Iterator<Item = (u16, f32)> + use<'a> {
+        let of_set = move |set: &'a Influences<'a>| set.joints[vertex].into_iter().zip(set.weights[vertex]);
+        self.sets.iter().flat_map(of_set)
+    }
+
+    /// The influences of a vertex, in slot order, without those of weight 0.
+    pub(super) fn of(&self, vertex: usize) -> impl Iterator<Item = Influence> + use<'a> {
+        let slots = self.slots(vertex).filter(|(_, weight)| *weight > 0.0);
+        slots.map(|(joint, weight)| Influence { joint, weight })
+    }
 }

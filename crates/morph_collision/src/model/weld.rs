@@ -1,65 +1,71 @@
 //! Welding: vertices with equal positions, displacements and influences move together in all poses, so only one is kept.
 
-use std::collections::HashMap;
-use std::hash::{Hash, Hasher};
+use std::hash::{DefaultHasher, Hasher};
 
 use glam::Vec3;
 
-use super::Displacement;
-use super::skin::Influence;
+use super::numbering::Numbering;
+use super::skin::SlotInfluences;
+use super::targets::TargetDisplacements;
 
-/// Everything that determines where a vertex can be. Vertices with equal keys have equal positions in all poses.
-#[derive(PartialEq)]
-struct Key<'a> {
-    base: Vec3,
-    displacements: &'a [Displacement],
-    influences: &'a [Influence],
+/// The vertices that are kept.
+pub(super) struct Welded {
+    /// The welded vertex of each vertex, numbered by first appearance.
+    pub(super) from_source: Vec<u32>,
+    /// The first vertex of each welded vertex, ascending.
+    pub(super) firsts: Vec<u32>,
+    /// The number of displacements of all welded vertices.
+    pub(super) displacements: usize,
 }
 
-// Coordinates are finite, so equality is reflexive.
-impl Eq for Key<'_> {}
-
-impl Hash for Key<'_> {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        hash_vector(self.base, state);
-        for displacement in self.displacements {
-            displacement.target.hash(state);
-            hash_vector(displacement.delta, state);
+/// Finds vertices that cannot be told apart in any pose.
+pub(super) fn weld<T: TargetDisplacements>(
+    base: &[Vec3],
+    targets: &[T],
+    influences: Option<&SlotInfluences<'_>>,
+) -> Welded {
+    let mut welded = Welded {
+        from_source: Vec::with_capacity(base.len()),
+        firsts: Vec::with_capacity(base.len()),
+        displacements: 0,
+    };
+    let mut numbering = Numbering::new(base.len());
+    for (vertex, &position) in base.iter().enumerate() {
+        let mut hasher = numbering.hasher();
+        hash_vector(position, &mut hasher);
+        let mut displacements = 0;
+        for (target, of_target) in targets.iter().enumerate() {
+            let displacement = of_target.of(vertex);
+            if displacement != Vec3::ZERO {
+                hasher.write_u32(target as u32);
+                hash_vector(displacement, &mut hasher);
+                displacements += 1;
+            }
         }
-        for influence in self.influences {
-            (influence.joint, influence.weight.to_bits()).hash(state);
+        let slots = |vertex| influences.into_iter().flat_map(move |influences| influences.of(vertex));
+        for influence in slots(vertex) {
+            hasher.write_u64(u64::from(influence.joint) << 32 | u64::from(influence.weight.to_bits()));
         }
+        let (number, is_new) = numbering.number(&hasher, |number| {
+            let other = welded.firsts[number as usize] as usize;
+            // Coordinates are finite, so equality is reflexive.
+            base[other] == position
+                && targets.iter().all(|target| target.of(other) == target.of(vertex))
+                && slots(other).eq(slots(vertex))
+        });
+        if is_new {
+            welded.firsts.push(vertex as u32);
+            welded.displacements += displacements;
+        }
+        welded.from_source.push(number);
     }
+    welded.firsts.shrink_to_fit();
+    welded
 }
 
 /// Hashes -0 like 0, because they are equal.
-fn hash_vector<H: Hasher>(v: Vec3, state: &mut H) {
-    (v + Vec3::ZERO).to_array().map(f32::to_bits).hash(state);
-}
-
-/// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded vertex. `influences`
-/// is empty for a mesh without joints.
-pub(super) fn weld(
-    base: &[Vec3],
-    displacements: &[Vec<Displacement>],
-    influences: &[Vec<Influence>],
-) -> (Vec<u32>, Vec<usize>) {
-    let mut welded_of = HashMap::with_capacity(base.len());
-    let mut firsts = Vec::new();
-    let keys = base.iter().zip(displacements).enumerate();
-    let keys = keys.map(|(vertex, (&base, displacements))| Key {
-        base,
-        displacements,
-        influences: influences.get(vertex).map_or(&[], Vec::as_slice),
-    });
-    let welded_from_source = keys
-        .enumerate()
-        .map(|(vertex, key)| {
-            *welded_of.entry(key).or_insert_with(|| {
-                firsts.push(vertex);
-                firsts.len() as u32 - 1
-            })
-        })
-        .collect();
-    (welded_from_source, firsts)
+fn hash_vector(v: Vec3, hasher: &mut DefaultHasher) {
+    let [x, y, z] = (v + Vec3::ZERO).to_array().map(f32::to_bits);
+    hasher.write_u64(u64::from(x) << 32 | u64::from(y));
+    hasher.write_u32(z);
 }

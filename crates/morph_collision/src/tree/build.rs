@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::vec;
 
-use super::clusters::{Cluster, dominant};
+use super::clusters::{Cluster, Shares};
 use super::extents::NodeExtents;
 use super::pace::{Pace, at_once};
 use super::sah::Partition;
@@ -11,7 +11,7 @@ use super::skin_tables::SkinBuilder;
 use super::topology::{Child, Group};
 use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
 use crate::bounds::{Kernel, LANES};
-use crate::model::MorphModel;
+use crate::model::{MorphModel, Skin};
 
 /// The maximum depth of a tree. Not measured; trees of real meshes have about ten levels.
 pub(super) const MAX_DEPTH: usize = 256;
@@ -57,6 +57,8 @@ impl Splits for Recorded<'_> {
 
 impl MorphBvh {
     /// Builds the tree. To build it in steps, use [`MorphBvhBuilder`](crate::MorphBvhBuilder).
+    ///
+    /// Memory while it is built: at most about three times what the tree and the model have afterwards, together with them.
     #[must_use]
     pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
         at_once(build_paced(model, options, &Pace::endless()))
@@ -85,15 +87,24 @@ pub(super) async fn build_over(
         topology: Topology::new(),
         tables: Tables::default(),
         skin: match model.skin() {
-            Some(skin) => Some(SkinBuilder::new(dominant_joint(&model, pace).await, skin)),
+            Some(skin) => Some(SkinBuilder::new(dominant_joint(&model, skin, pace).await, skin)),
             None => None,
         },
     };
     let above_root = builder.reserve();
     let (root, clusters) = builder.nodes(&mut triangles).await;
     builder.finish(above_root, &[root], vec![clusters], true);
-    let (mut topology, mut tables, skin) = (builder.topology, builder.tables, builder.skin);
+    let Builder {
+        mut topology,
+        mut tables,
+        skin,
+        splits,
+        ..
+    } = builder;
+    // It takes as much memory as all that follows.
+    drop(splits);
     tables.finish();
+    topology.shrink_to_fit();
     topology.triangles = triangles;
     let leaf_lanes = match skin {
         // Vertices moved by joints are blended one by one.
@@ -116,20 +127,22 @@ pub(super) async fn build_over(
 }
 
 /// The joint that moves most of the mesh.
-async fn dominant_joint(model: &MorphModel, pace: &Pace) -> u16 {
-    let mut clusters = Vec::with_capacity(model.vertex_count());
+async fn dominant_joint(model: &MorphModel, skin: &Skin, pace: &Pace) -> u16 {
+    let mut shares = Shares::default();
     for vertex in 0..model.vertex_count() as u32 {
-        pace.spend(work_on(model, 1)).await;
-        clusters.push(Cluster::of_vertex(model, vertex));
+        pace.spend(WORK_ON_JOINTS).await;
+        shares.add(skin, vertex);
     }
-    pace.spend(work_on(model, clusters.len())).await;
-    dominant(Cluster::joined(clusters).iter())
+    shares.dominant()
 }
+
+/// The work on the joints of a vertex.
+const WORK_ON_JOINTS: usize = 4;
 
 /// The work of measuring `count` vertices or children on every target.
 fn work_on(model: &MorphModel, count: usize) -> usize {
     // Joints are not counted, because a vertex has few.
-    count * (4 + model.target_count())
+    count * (WORK_ON_JOINTS + model.target_count())
 }
 
 struct Builder<'a, S> {

@@ -1,7 +1,9 @@
 //! Splits the vertices of a node by the joints that move them most, and collects the bounds of each part.
 
+use std::collections::BTreeMap;
+
 use super::extents::NodeExtents;
-use crate::model::{Influence, MorphModel};
+use crate::model::{Influence, MorphModel, Skin};
 
 /// Second joints with less weight than this do not split clusters (docs/skinning.md).
 const MIN_SECOND: f32 = 0.05;
@@ -50,9 +52,14 @@ impl Cluster {
     /// The cluster of one vertex.
     pub(super) fn of_vertex(model: &MorphModel, vertex: u32) -> Self {
         let extents = NodeExtents::of_vertex(model, vertex);
-        let Some(skin) = model.skin() else {
-            return Self::without_joints(extents);
-        };
+        match model.skin() {
+            Some(skin) => Self::with_joints(skin, vertex, extents),
+            None => Self::without_joints(extents),
+        }
+    }
+
+    /// The cluster of one vertex with these extents.
+    fn with_joints(skin: &Skin, vertex: u32, extents: NodeExtents) -> Self {
         let mut weights = summed(skin.influences(vertex));
         let (missing, origin) = (1.0 - sum(skin.influences(vertex)), skin.joint_count() as u16);
         let is_missing = missing.abs() > MISSING;
@@ -175,9 +182,37 @@ fn outward(sum: f64) -> (f32, f32) {
     (crate::bounds::down(sum - rounding), crate::bounds::up(sum + rounding))
 }
 
+/// The shares of joints in the clusters of many vertices, added up vertex by vertex.
+#[derive(Default)]
+pub(super) struct Shares {
+    /// By the keys of clusters, so that sums are rounded as in [`Cluster::joined`].
+    of_clusters: BTreeMap<[u16; 2], Vec<(u16, f32)>>,
+}
+
+impl Shares {
+    pub(super) fn add(&mut self, skin: &Skin, vertex: u32) {
+        let cluster = Cluster::with_joints(skin, vertex, NodeExtents::of_parts(std::iter::empty()));
+        let sums = self.of_clusters.entry(cluster.key).or_default();
+        for (joint, share) in cluster.shares {
+            match sums.iter_mut().find(|(known, _)| *known == joint) {
+                Some((_, sum)) => *sum += share,
+                None => sums.push((joint, share)),
+            }
+        }
+    }
+
+    /// The joint with the largest share, or [`NONE`].
+    pub(super) fn dominant(&self) -> u16 {
+        largest(self.of_clusters.values().flatten().copied().collect())
+    }
+}
+
 /// The joint with the largest share of a node, or [`NONE`] if no joint moves it.
 pub(super) fn dominant<'c>(clusters: impl Iterator<Item = &'c Cluster>) -> u16 {
-    let mut shares: Vec<(u16, f32)> = clusters.flat_map(|cluster| cluster.shares.iter().copied()).collect();
+    largest(clusters.flat_map(|cluster| cluster.shares.iter().copied()).collect())
+}
+
+fn largest(mut shares: Vec<(u16, f32)>) -> u16 {
     shares.sort_by_key(|(joint, _)| *joint);
     let sums = shares
         .chunk_by(|a, b| a.0 == b.0)

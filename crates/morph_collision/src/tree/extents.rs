@@ -64,24 +64,65 @@ impl NodeExtents {
         }
     }
 
-    /// The union of some parts. If a target does not move a part, the part stays at its base under that target.
-    pub(super) fn of_parts<'p>(parts: impl Iterator<Item = &'p Self> + Clone) -> Self {
-        let union = |of: &dyn Fn(&Self) -> Extent| parts.clone().map(of).fold(Extent::EMPTY, Extent::union);
-        let mut targets: Vec<u16> = parts.clone().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
-        targets.sort_unstable();
-        targets.dedup();
-        let under = |target| TargetExtents {
-            target,
-            displacement: union(&|part| {
-                part.under(target)
-                    .map_or(Extent::point(DVec3::ZERO), |t| t.displacement)
-            }),
-            reference: union(&|part| part.under(target).map_or(part.base, |t| t.reference)),
+    /// The union of some parts.
+    pub(super) fn of_parts<'p>(mut parts: impl Iterator<Item = &'p Self>) -> Self {
+        let none = Self {
+            base: Extent::EMPTY,
+            targets: Vec::new(),
         };
-        Self {
-            base: union(&|part| part.base),
-            targets: targets.into_iter().map(under).collect(),
+        let mut union = parts.next().cloned().unwrap_or(none);
+        parts.for_each(|part| union.add(part));
+        union
+    }
+
+    /// Adds a part. If a target does not move a part, the part stays at its base under that target.
+    pub(super) fn add(&mut self, part: &Self) {
+        let before = self.base;
+        self.base = before.union(part.base);
+        let mut own = self.targets.iter().peekable();
+        let is_known = |of_part: &TargetExtents| {
+            while own.next_if(|own| own.target < of_part.target).is_some() {}
+            own.next_if(|own| own.target == of_part.target).is_some()
+        };
+        if !part.targets.iter().all(is_known) {
+            self.insert(part, before);
         }
+        let mut of_part = part.targets.iter().peekable();
+        for own in &mut self.targets {
+            let (displacement, reference) = match of_part.next_if(|of_part| of_part.target == own.target) {
+                Some(of_part) => (of_part.displacement, of_part.reference),
+                None => (Extent::point(DVec3::ZERO), part.base),
+            };
+            own.displacement = own.displacement.union(displacement);
+            own.reference = own.reference.union(reference);
+        }
+    }
+
+    /// Adds itself to a union of parts, of which it may be the first.
+    pub(super) fn add_to(&self, union: &mut Option<Self>) {
+        match union {
+            Some(union) => union.add(self),
+            None => *union = Some(self.clone()),
+        }
+    }
+
+    /// Inserts the targets of another part that do not move this one, whose base is `base`.
+    fn insert(&mut self, other: &Self, base: Extent) {
+        let mut all = Vec::with_capacity(self.targets.len() + other.targets.len());
+        let mut own = self.targets.iter().peekable();
+        for &TargetExtents { target, .. } in &other.targets {
+            while let Some(own) = own.next_if(|own| own.target < target) {
+                all.push(*own);
+            }
+            let still = TargetExtents {
+                target,
+                displacement: Extent::point(DVec3::ZERO),
+                reference: base,
+            };
+            all.push(*own.next_if(|own| own.target == target).unwrap_or(&still));
+        }
+        all.extend(own);
+        self.targets = all;
     }
 
     /// A corner of the node's base box, as a point that no target moves.

@@ -23,19 +23,22 @@ impl JointBoxes {
             .collect();
         vertices.sort_unstable();
         vertices.dedup();
-        let mut moved: Vec<Vec<NodeExtents>> = vec![Vec::new(); skin.joint_count()];
+        let mut moved: Vec<Option<NodeExtents>> = vec![None; skin.joint_count()];
         for &vertex in &vertices {
             let extents = NodeExtents::of_vertex(model, vertex);
             for influence in skin.influences(vertex) {
-                moved[usize::from(influence.joint)].push(extents.clone());
+                extents.add_to(&mut moved[usize::from(influence.joint)]);
             }
         }
         let mut boxes = Self::default();
         let mut children = Vec::new();
-        for (joint, parts) in moved.iter().enumerate().filter(|(_, parts)| !parts.is_empty()) {
-            boxes.joints.push(joint as u16);
-            children.push(NodeExtents::of_parts(parts.iter()));
+        for (joint, extents) in (0..).zip(moved) {
+            if let Some(extents) = extents {
+                boxes.joints.push(joint);
+                children.push(extents);
+            }
         }
+        boxes.joints.shrink_to_fit();
         for (block, children) in children.chunks(LANES).enumerate() {
             boxes.boxes.reserve();
             boxes

@@ -44,22 +44,34 @@ pub(crate) struct PatchColumns<'a> {
 impl LeafLanes {
     /// `None` if the average patch has too many targets or too few triangles. Vertices are then blended one by one.
     pub(super) async fn new(model: &MorphModel, topology: &Topology, pace: &Pace) -> Option<Self> {
-        let mut lanes = Self {
-            starts: vec![0],
-            ..Self::default()
-        };
         let patches = topology.patch_count();
         if model.triangle_count() < MIN_TRIANGLES * patches {
             return None;
         }
-        for leaf in 0..topology.leaf_count() {
-            let triangles = topology.leaf_triangles(Leaf(leaf));
-            pace.spend(3 * triangles.len() * (1 + model.target_count())).await;
+        let work = |triangles: &[u32]| 3 * triangles.len() * (1 + model.target_count());
+        let leaves = || (0..topology.leaf_count()).map(|leaf| topology.leaf_triangles(Leaf(leaf)));
+        // Counted before anything is stored, because often nothing is.
+        let (mut targets, mut last) = (0, vec![None; model.target_count()]);
+        for (leaf, triangles) in leaves().enumerate() {
+            pace.spend(work(triangles)).await;
+            for (patch, triangles) in triangles.chunks(LANES).enumerate() {
+                targets += count_targets(model, triangles, (leaf, patch), &mut last);
+            }
+            if targets > MAX_TARGETS * patches {
+                return None;
+            }
+        }
+        let mut lanes = Self {
+            bases: Vec::with_capacity(patches),
+            starts: Vec::with_capacity(patches + 1),
+            targets: Vec::with_capacity(targets),
+            displacements: Vec::with_capacity(targets),
+        };
+        lanes.starts.push(0);
+        for triangles in leaves() {
+            pace.spend(work(triangles)).await;
             for triangles in triangles.chunks(LANES) {
                 lanes.push(model, triangles);
-            }
-            if lanes.targets.len() > MAX_TARGETS * patches {
-                return None;
             }
         }
         Some(lanes)
@@ -108,6 +120,23 @@ impl LeafLanes {
             + size_of_val(&*self.targets)
             + size_of_val(&*self.displacements)
     }
+}
+
+/// The number of targets that move any of some triangles. `last` is the patch that each target was last counted for.
+fn count_targets(
+    model: &MorphModel,
+    triangles: &[u32],
+    patch: (usize, usize),
+    last: &mut [Option<(usize, usize)>],
+) -> usize {
+    let mut count = 0;
+    for vertex in triangles.iter().flat_map(|&triangle| model.corners(triangle)) {
+        for displacement in model.displacements(vertex) {
+            let last = &mut last[usize::from(displacement.target)];
+            count += usize::from(last.replace(patch) != Some(patch));
+        }
+    }
+    count
 }
 
 /// Sets the lanes to the corners of at most eight triangles, which index `points`. Only the first three numbers of a point are used.

@@ -127,7 +127,7 @@ fn parts(model: &MorphModel, skin: &Skin, vertices: &[u32]) -> Vec<(MovedPart, N
         place[usize::from(*joint)] = at;
     }
     let mut shares = vec![0.0_f64; order.len()];
-    let mut extents: Vec<Vec<NodeExtents>> = vec![Vec::new(); order.len()];
+    let mut extents: Vec<Option<NodeExtents>> = vec![None; order.len()];
     for &vertex in vertices {
         let of_vertex = NodeExtents::of_vertex(model, vertex);
         let mut weights: Vec<(usize, f64)> = skin
@@ -142,16 +142,17 @@ fn parts(model: &MorphModel, skin: &Skin, vertices: &[u32]) -> Vec<(MovedPart, N
             sum += weight;
             let place = of_joint[0].0;
             shares[place] = shares[place].max(weight / sum);
-            extents[place].push(of_vertex.clone());
+            of_vertex.add_to(&mut extents[place]);
         }
     }
-    let part = |((joint, share), extents): ((u16, f64), Vec<NodeExtents>)| {
+    let part = |((joint, share), extents): ((u16, f64), Option<NodeExtents>)| {
         // Rounded up, with room for the few roundings of a share.
         let share = crate::bounds::up(share * (1.0 + 64.0 * f64::EPSILON)).min(1.0);
-        (MovedPart { joint, share }, NodeExtents::of_parts(extents.iter()))
+        Some((MovedPart { joint, share }, extents?))
     };
     let joints = order.into_iter().map(|(_, joint)| joint);
-    joints.zip(shares).zip(extents).map(part).collect()
+    // Every joint here moves a vertex.
+    joints.zip(shares).zip(extents).filter_map(part).collect()
 }
 
 /// The smallest and the largest difference of 1 and the sum of a vertex's weights.

@@ -8,23 +8,26 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::pace::{Pace, at_once};
-use super::sah::{Partition, Shape};
+use super::sah::{Base, Partition};
 use super::validate_tests::validate;
 use super::*;
 use crate::bounds::Aabb;
 use crate::model::MorphModel;
 
-fn shape(triangles: &[[Vec3; 3]]) -> Shape {
-    Shape {
+fn shape(triangles: &[[Vec3; 3]]) -> Base {
+    Base {
         midpoints: triangles.iter().map(|[a, b, c]| (*a + *b + *c) / 3.0).collect(),
         bounds: triangles.iter().map(|t| Aabb::from_points(*t)).collect(),
     }
 }
 
 /// Checks that a split keeps every triangle exactly once and makes no empty child.
-fn judge(shapes: Vec<Shape>, about: &str) {
-    let count = shapes[0].midpoints.len();
-    let mut partition = Partition { leaf_size: 1, shapes };
+fn judge(base: &Base, target: Option<&Base>, about: &str) {
+    let count = base.midpoints.len();
+    let mut partition = Partition::over(1, base.clone());
+    if let Some(target) = target {
+        partition.add_target(target.bounds.clone());
+    }
     for leaf_size in [1, 3, 8, 255] {
         partition.leaf_size = leaf_size;
         let mut triangles: Vec<u32> = (0..count as u32).collect();
@@ -69,12 +72,12 @@ fn no_split_makes_an_empty_child() {
             ("anywhere", of(&mut |_| [point(1.0), point(1.0), point(1.0)])),
         ];
         for (name, shape) in &shapes {
-            judge(vec![shape.clone()], name);
+            judge(shape, None, name);
         }
         // Planes are placed on the first shape, costs are summed over both.
         let [(_, identical), .., (_, anywhere)] = &shapes;
-        judge(vec![identical.clone(), anywhere.clone()], "identical at the base only");
-        judge(vec![anywhere.clone(), identical.clone()], "identical at a target");
+        judge(identical, Some(anywhere), "identical at the base only");
+        judge(anywhere, Some(identical), "identical at a target");
     }
 }
 

@@ -145,6 +145,16 @@ impl SkinTables {
         }
     }
 
+    fn shrink_to_fit(&mut self) {
+        self.groups.shrink_to_fit();
+        self.blocks.shrink_to_fit();
+        self.pivots.shrink_to_fit();
+        self.rows.shrink_to_fit();
+        self.frames.shrink_to_fit();
+        self.maps.shrink_to_fit();
+        self.maps_of_groups.shrink_to_fit();
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.groups)
             + size_of_val(&*self.blocks)
@@ -303,6 +313,7 @@ impl SkinBuilder {
     }
 
     pub(super) fn finish(mut self, model: &MorphModel, topology: &Topology) -> SkinTables {
+        self.tables.shrink_to_fit();
         self.tables.boxes.finish();
         self.tables.joints = JointBoxes::new(model);
         if let (Some(children), Some(skin)) = (&mut self.tables.root_children, model.skin()) {

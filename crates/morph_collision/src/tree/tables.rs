@@ -123,6 +123,7 @@ impl Tables {
         // Rows are read eight lanes wide.
         self.intervals.extend([0; LANES]);
         self.slopes.extend([0.0; LANES]);
+        self.headers.shrink_to_fit();
         self.intervals.shrink_to_fit();
         self.slopes.shrink_to_fit();
         self.targets.shrink_to_fit();

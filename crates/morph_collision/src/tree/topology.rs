@@ -196,6 +196,16 @@ impl Topology {
         [leaf(node, |_| 0), leaf(node, |group| group.children().len() - 1)]
     }
 
+    /// Releases the memory that was reserved for more nodes.
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.groups.shrink_to_fit();
+        self.leaf_starts.shrink_to_fit();
+        self.patch_starts.shrink_to_fit();
+        self.vertex_starts.shrink_to_fit();
+        self.vertices.shrink_to_fit();
+        self.corners.shrink_to_fit();
+    }
+
     /// Adds the next leaf, given the corners of its triangles in the model.
     pub(super) fn push_leaf(&mut self, corners: &[[u32; 3]]) -> Leaf {
         let mut vertices: Vec<u32> = corners.iter().flatten().copied().collect();

@@ -5,7 +5,6 @@ mod check;
 mod displacement;
 mod error;
 mod morph_model;
-mod numbering;
 mod skin;
 mod targets;
 mod weight_box;

@@ -1,9 +1,11 @@
 use std::fmt;
-use std::hash::Hasher;
+use std::hash::{BuildHasher, RandomState};
+use std::ops::Range;
 
 use glam::{Vec3, Vec3A};
+use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
 
-use super::numbering::Numbering;
 use super::skin::{Influences, Skin, SlotInfluences};
 use super::targets::TargetDisplacements;
 use super::weld::{Welded, weld};
@@ -123,7 +125,7 @@ impl MorphModel {
         let mut deltas = Vec::with_capacity(displacements);
         let (mut starts, mut lists) = (Vec::with_capacity(firsts.len() + 1), Vec::with_capacity(firsts.len()));
         starts.push(0);
-        let (mut list, mut known) = (Vec::new(), Lists::new(firsts.len()));
+        let (mut list, mut known) = (Vec::new(), Lists::default());
         for &first in &firsts {
             list.clear();
             for (target, of_target) in (0..).zip(targets) {
@@ -305,35 +307,29 @@ impl MorphModel {
 }
 
 /// Lists of targets, each stored once.
+#[derive(Default)]
 struct Lists {
     targets: Vec<u16>,
-    /// The ranges of the lists in `targets`, by number.
-    ranges: Vec<(u32, u32)>,
-    numbering: Numbering,
+    /// The ranges of the lists in `targets`.
+    known: HashTable<Range<usize>>,
+    random: RandomState,
 }
 
 impl Lists {
-    fn new(count: usize) -> Self {
-        Self {
-            targets: Vec::new(),
-            ranges: Vec::new(),
-            numbering: Numbering::new(count),
-        }
-    }
-
     /// The place in `targets` where a list starts.
     fn start_of(&mut self, list: &[u16]) -> u32 {
-        let mut hasher = self.numbering.hasher();
-        list.iter().for_each(|&target| hasher.write_u16(target));
-        let (number, is_new) = self.numbering.number(&hasher, |number| {
-            let (start, len) = self.ranges[number as usize];
-            self.targets[start as usize..][..len as usize] == *list
-        });
-        if is_new {
-            self.ranges.push((self.targets.len() as u32, list.len() as u32));
-            self.targets.extend_from_slice(list);
+        let Self { targets, known, random } = self;
+        let is_known = |range: &Range<usize>| targets[range.clone()] == *list;
+        let hash = |range: &Range<usize>| random.hash_one(&targets[range.clone()]);
+        match known.entry(random.hash_one(list), is_known, hash) {
+            Entry::Occupied(range) => range.get().start as u32,
+            Entry::Vacant(new) => {
+                let start = targets.len();
+                new.insert(start..start + list.len());
+                targets.extend_from_slice(list);
+                start as u32
+            }
         }
-        self.ranges[number as usize].0
     }
 }
 

@@ -1,10 +1,11 @@
 //! Welding: vertices with equal positions, displacements and influences move together in all poses, so only one is kept.
 
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::{BuildHasher, Hasher, RandomState};
 
 use glam::Vec3;
+use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
 
-use super::numbering::Numbering;
 use super::skin::SlotInfluences;
 use super::targets::TargetDisplacements;
 
@@ -29,42 +30,50 @@ pub(super) fn weld<T: TargetDisplacements>(
         firsts: Vec::with_capacity(base.len()),
         displacements: 0,
     };
-    let mut numbering = Numbering::new(base.len());
-    for (vertex, &position) in base.iter().enumerate() {
-        let mut hasher = numbering.hasher();
-        hash_vector(position, &mut hasher);
-        let mut displacements = 0;
+    let slots = |vertex| influences.into_iter().flat_map(move |influences| influences.of(vertex));
+    // Random, so that no mesh makes the search slow.
+    let random = RandomState::new();
+    let hash = |vertex: usize| {
+        let mut hasher = random.build_hasher();
+        hash_vector(base[vertex], &mut hasher);
         for (target, of_target) in targets.iter().enumerate() {
             let displacement = of_target.of(vertex);
             if displacement != Vec3::ZERO {
                 hasher.write_u32(target as u32);
                 hash_vector(displacement, &mut hasher);
-                displacements += 1;
             }
         }
-        let slots = |vertex| influences.into_iter().flat_map(move |influences| influences.of(vertex));
         for influence in slots(vertex) {
             hasher.write_u64(u64::from(influence.joint) << 32 | u64::from(influence.weight.to_bits()));
         }
-        let (number, is_new) = numbering.number(&hasher, |number| {
-            let other = welded.firsts[number as usize] as usize;
-            // Coordinates are finite, so equality is reflexive.
-            base[other] == position
-                && targets.iter().all(|target| target.of(other) == target.of(vertex))
-                && slots(other).eq(slots(vertex))
-        });
-        if is_new {
-            welded.firsts.push(vertex as u32);
-            welded.displacements += displacements;
+        hasher.finish()
+    };
+    // Coordinates are finite, so equality is reflexive.
+    let is_same = |one: usize, other: usize| {
+        base[one] == base[other]
+            && targets.iter().all(|target| target.of(one) == target.of(other))
+            && slots(one).eq(slots(other))
+    };
+    let mut known: HashTable<u32> = HashTable::with_capacity(base.len());
+    for vertex in 0..base.len() {
+        let is_known = |&first: &u32| is_same(first as usize, vertex);
+        match known.entry(hash(vertex), is_known, |&first| hash(first as usize)) {
+            Entry::Occupied(first) => welded.from_source.push(welded.from_source[*first.get() as usize]),
+            Entry::Vacant(new) => {
+                new.insert(vertex as u32);
+                welded.from_source.push(welded.firsts.len() as u32);
+                welded.firsts.push(vertex as u32);
+                let moving = targets.iter().filter(|target| target.of(vertex) != Vec3::ZERO);
+                welded.displacements += moving.count();
+            }
         }
-        welded.from_source.push(number);
     }
     welded.firsts.shrink_to_fit();
     welded
 }
 
 /// Hashes -0 like 0, because they are equal.
-fn hash_vector(v: Vec3, hasher: &mut DefaultHasher) {
+fn hash_vector(v: Vec3, hasher: &mut impl Hasher) {
     let [x, y, z] = (v + Vec3::ZERO).to_array().map(f32::to_bits);
     hasher.write_u64(u64::from(x) << 32 | u64::from(y));
     hasher.write_u32(z);

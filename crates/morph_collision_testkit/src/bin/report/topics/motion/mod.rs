@@ -59,8 +59,8 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
              - *touch* columns count the steps in which the bodies touch, for a discrete query and for the motion. A body that passes through another within\n  \
                a step is found at any speed; the discrete query sees it only if a step happens to end inside.\n\
              - A query about a motion needs the bounds of two poses instead of one.\n\
-             - `first` visits nodes in the order of time. It is expensive in a step in which two bodies pass all the way through each other: very many pairs of\n  \
-               features touch at nearly the same time, and telling which is first takes exact arithmetic.\n\n\
+             - `first` visits nodes in the order of time. In a step in which two bodies pass all the way through each other, very many pairs of features touch at\n  \
+               nearly the same time. They are compared for a while; then the tolerance decides which of them count as first.\n\n\
              {}\n\
              ## Pairs of features\n\n\
              Recorded motions of a vertex and a face, or of two edges, most of them from frames of simulations in which their boxes overlap. *Whether* asks if\n\

@@ -3,6 +3,7 @@
 //! - `surface`, `triangles`: a mesh, and some of its triangles, as Parry shapes, which both engines use.
 //! - `range`: the sizes with which Parry can compute.
 //! - `layout`: properties of a mesh that do not depend on its pose.
+//! - `mass`: the mass of what a surface encloses, computed over several steps.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, which moment of that a step uses, and what is motion
 //!   (`docs/rapier.md`, "Frames and steps").
 //! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
@@ -24,6 +25,7 @@ pub(crate) mod expel;
 pub(crate) mod follow;
 pub(crate) mod inside;
 pub(crate) mod layout;
+mod mass;
 pub(crate) mod moment;
 pub(crate) mod motion;
 pub(crate) mod near;

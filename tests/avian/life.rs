@@ -5,6 +5,7 @@ use std::path::Path;
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::models::random;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{settle, sheet};
 
@@ -119,4 +120,29 @@ fn a_systems_order_of_the_games_own_is_not_refused() {
     let ball = body(&mut app, Collider::sphere(0.3), Vec3::new(0.1, 0.31, 0.05));
     run(&mut app, 30);
     assert!((place(&app, ball).y - 0.3).abs() < 1e-2, "{}", place(&app, ball));
+}
+
+#[test]
+fn the_mass_of_a_large_surface_is_there_when_a_body_needs_it_and_elsewhere_a_few_steps_later() {
+    let mut app = app();
+    let mesh = random::random_blob(1, 4, 1, 0.0);
+    let fixed = spawn(&mut app, &mesh, ());
+    let body = (RigidBody::Dynamic, GravityScale(0.0));
+    let falling = spawn(&mut app, &mesh, (Transform::from_xyz(10.0, 0.0, 0.0), body));
+    let mass = |app: &App, surface: Entity| app.world().get::<ColliderMassProperties>(surface).unwrap().mass;
+    while app.world().get::<Collider>(falling).is_none() {
+        app.update();
+    }
+    let corners = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|i| mesh.positions[i as usize].as_dvec3()));
+    let volume = corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum::<f64>() as f32;
+    let is_right = |mass: f32| (mass / volume - 1.0).abs() < 1e-4;
+    assert!(is_right(mass(&app, falling)), "{} {volume}", mass(&app, falling));
+    assert_eq!(mass(&app, fixed), 0.0, "it takes a few steps");
+    run(&mut app, 10);
+    assert!(is_right(mass(&app, fixed)), "{} {volume}", mass(&app, fixed));
+    let of_body = app.world().get::<ComputedMass>(falling).unwrap().value();
+    assert!(is_right(of_body), "{of_body} {volume}");
 }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_testkit::models::{random, rigid};
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
@@ -212,6 +212,38 @@ fn a_morphing_body_sleeps_when_nothing_morphs() {
     set_weights(&mut app, jelly, &[0.1]);
     run(&mut app, 1);
     assert!(!asleep(&app));
+}
+
+#[test]
+fn the_mass_of_a_large_surface_is_there_when_a_body_needs_it_and_elsewhere_a_few_steps_later() {
+    let mut app = app();
+    let mesh = random::random_blob(1, 4, 1, 0.0);
+    let read = ReadColliderMassProperties::default;
+    let fixed = spawn(&mut app, &mesh, read());
+    let body = (RigidBody::Dynamic, GravityScale(0.0), ReadMassProperties::default());
+    let falling = spawn(&mut app, &mesh, (Transform::from_xyz(10.0, 0.0, 0.0), body, read()));
+    let becomes = (RigidBody::Fixed, GravityScale(0.0), ReadMassProperties::default());
+    let late = spawn(&mut app, &mesh, (Transform::from_xyz(20.0, 0.0, 0.0), becomes, read()));
+    let mass = |app: &App, surface: Entity| app.world().get::<ReadColliderMassProperties>(surface).unwrap().mass;
+    let of_body = |app: &App, body: Entity| app.world().get::<ReadMassProperties>(body).unwrap().mass;
+    while app.world().get::<RapierColliderHandle>(falling).is_none() {
+        app.update();
+    }
+    let corners = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|i| mesh.positions[i as usize].as_dvec3()));
+    let volume = corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum::<f64>() as f32;
+    let is_right = |mass: f32| (mass / volume - 1.0).abs() < 1e-4;
+    assert!(is_right(mass(&app, falling)) && is_right(of_body(&app, falling)));
+    assert_eq!(mass(&app, late), 0.0, "it takes a few steps");
+    app.world_mut().entity_mut(late).insert(RigidBody::Dynamic);
+    run(&mut app, 2);
+    assert!(is_right(of_body(&app, late)), "{} {volume}", of_body(&app, late));
+    run(&mut app, 10);
+    for surface in [fixed, falling, late] {
+        assert!(is_right(mass(&app, surface)), "{} {volume}", mass(&app, surface));
+    }
 }
 
 #[test]

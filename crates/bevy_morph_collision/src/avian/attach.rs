@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use avian3d::prelude::Collider;
+use avian3d::prelude::{Collider, RigidBody};
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -59,6 +59,7 @@ pub(super) fn attach_surfaces(
         (Allow<Disabled>, Or<(With<MorphAvianCollider>, With<AvianSurface>)>),
     >,
     shared: Query<&MorphWeights>,
+    (bodies, parents): (Query<&RigidBody>, Query<&ChildOf>),
     trees: Option<Res<MorphTrees>>,
     layouts: Res<MeshLayouts>,
     mut rest: Local<Vec<f32>>,
@@ -77,8 +78,14 @@ pub(super) fn attach_surfaces(
                 // Bad weights are logged in the surface's first step.
                 let _logged_later = take_weights(&mut pose, weights, &shared, &mut rest);
                 let Some(layout) = layouts.of(bvh) else { continue };
+                let following = Following::new(entity, bvh, pose.weights(), &layout);
+                // The collider's body, which Avian determines when it has got the collider and its mass.
+                let body = std::iter::once(entity).chain(parents.iter_ancestors(entity));
+                if body.filter_map(|entity| bodies.get(entity).ok()).next() == Some(&RigidBody::Dynamic) {
+                    following.surface.lock().need_mass();
+                }
                 let surface = AvianSurface {
-                    following: Following::new(entity, bvh, pose.weights(), &layout),
+                    following,
                     pushing: Pushing::new(layout),
                     bvh: bvh.clone(),
                     touching: HashMap::default(),

@@ -305,7 +305,7 @@ mod tests {
         let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::ZERO, Vec3::X, Vec3::Y])
             .with_inserted_indices(Indices::U16(vec![0, 1, 2]))
-            .with_morph_targets(vec![bevy::mesh::morph::MorphAttributes::default(); 6]);
+            .with_morph_targets(vec![MorphAttributes::default(); 6]);
         let mut data = MeshData::of(&mesh, None).unwrap();
         let pieces: Vec<(bool, usize)> = (0..3)
             .map(|_| {

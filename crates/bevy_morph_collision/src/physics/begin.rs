@@ -46,13 +46,13 @@ pub(crate) fn advance(
 
 /// The sides of a surface in a step.
 pub(crate) struct Sides {
-    /// Whether they are others than in the last step.
+    /// Whether they are others than in the last step, or the mass has become known.
     pub(crate) turned: bool,
     /// Whether the mesh is closed.
     pub(crate) is_closed: bool,
 }
 
-/// Decides from which sides a surface pushes. The first time that a solid surface is not closed, this is logged.
+/// Decides from which sides a surface pushes, and continues to compute its mass. The first time that a solid surface is not closed, this is logged.
 pub(crate) fn set_sides(
     following: &Following,
     (solid, on_dynamic): (bool, bool),
@@ -62,7 +62,7 @@ pub(crate) fn set_sides(
     let (turned, is_closed) = {
         let mut posed = following.surface.lock();
         let turned = posed.set_sides(solid, on_dynamic, following.reshaped);
-        (turned, posed.is_closed())
+        (posed.weigh(on_dynamic) || turned, posed.is_closed())
     };
     if solid && !is_closed && !std::mem::replace(told_open, true) {
         warn!("{}", not_closed(&name()));

@@ -3,6 +3,7 @@
 //! - `surface`, `triangles`: a mesh, and some of its triangles, as Parry shapes, which both engines use.
 //! - `range`: the sizes with which Parry can compute.
 //! - `layout`: properties of a mesh that do not depend on its pose.
+//! - `mass`: the mass of what a surface encloses, computed over several steps.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, and which moment of that a step uses.
 //! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
 //! - `begin`: what a surface does at the beginning of a step.
@@ -20,6 +21,7 @@ pub(crate) mod expel;
 pub(crate) mod follow;
 pub(crate) mod inside;
 pub(crate) mod layout;
+mod mass;
 pub(crate) mod moment;
 pub(crate) mod motion;
 pub(crate) mod near;

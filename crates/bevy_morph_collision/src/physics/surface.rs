@@ -14,6 +14,7 @@ use parry3d::shape::{FeatureId, Shape, ShapeType, Triangle, TypedShape};
 use tracing::error;
 
 use super::layout::MeshLayout;
+use super::mass::{Mass, Weighing};
 use super::motion::largest;
 use super::range::{MAX_COORDINATE, box_in_range};
 use super::triangles::{Triangles, nowhere, pseudo_normals};
@@ -51,8 +52,12 @@ pub(crate) struct Posed {
     pub(super) is_flat: bool,
     /// Whether its transform or its joints mirror it.
     pub(super) mirrored: bool,
-    /// For a density of 1. Cached, because Parry requests it whenever a shape changes. It does not change with the pose.
-    mass: Option<MassProperties>,
+    mass: Mass,
+    /// Whether a dynamic body carries it, or has, which depends on its mass.
+    is_mass_needed: bool,
+    /// Whether its mass has become known since this was last asked.
+    #[cfg(feature = "rapier")]
+    was_weighed: bool,
 }
 
 #[derive(Default)]
@@ -79,7 +84,10 @@ impl MorphSurface {
             winding: None,
             is_flat: false,
             mirrored: false,
-            mass: None,
+            mass: Mass::default(),
+            is_mass_needed: false,
+            #[cfg(feature = "rapier")]
+            was_weighed: false,
         };
         Self {
             entity,
@@ -141,7 +149,7 @@ impl Posed {
 
     /// Recomputes the enclosed volume on the next request.
     pub(crate) fn forget_mass(&mut self) {
-        self.mass = None;
+        self.mass = Mass::Unknown;
     }
 
     /// The triangles that intersect a box in the collider's space. With `for_contacts`, also the neighbours' data that contacts
@@ -175,36 +183,46 @@ impl Posed {
     }
 
     fn mass(&mut self, density: Real) -> MassProperties {
-        let mut mass = self.mass.unwrap_or_else(|| self.enclosed_mass());
-        self.mass = Some(mass);
+        let is_in_range = box_in_range(&self.bounds());
+        let Self {
+            pose,
+            collider_from_model,
+            is_mass_needed,
+            ..
+        } = self;
+        let mut mass = self.mass.request(*is_mass_needed, || {
+            if is_in_range {
+                Mass::InProgress(Box::new(Weighing::new(pose, collider_from_model)))
+            } else {
+                Mass::Known(MassProperties::default())
+            }
+        });
         mass.set_mass(density * mass.mass(), true);
         mass
     }
 
-    fn all_corners(&mut self) -> impl Iterator<Item = [Vec3; 3]> {
-        let Self {
-            pose,
-            collider_from_model,
-            ..
-        } = self;
-        let triangles = 0..pose.bvh().model().triangle_count() as u32;
-        triangles
-            .filter_map(|triangle| pose.triangle(triangle))
-            .map(|triangle| triangle.map(|corner| collider_from_model.transform_point(corner).as_vec3()))
+    /// Continues to compute the mass if someone has requested it: a part of it, or all of it if a dynamic body carries the surface. Returns
+    /// whether the mass has become known, so that physics has to request it again.
+    pub(super) fn weigh(&mut self, on_dynamic: bool) -> bool {
+        self.is_mass_needed |= on_dynamic;
+        let is_new = self.mass.go_on(self.is_mass_needed);
+        #[cfg(feature = "rapier")]
+        {
+            self.was_weighed |= is_new;
+        }
+        is_new
     }
 
-    fn enclosed_mass(&mut self) -> MassProperties {
-        if !box_in_range(&self.bounds()) {
-            return MassProperties::default();
-        }
-        let vertices: Vec<Vec3> = self.all_corners().flatten().collect();
-        let triangles: Vec<[u32; 3]> = (0..vertices.len() as u32 / 3)
-            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
-            .collect();
-        let mass = MassProperties::from_trimesh(1.0, &vertices, &triangles);
-        // Not finite if the pose encloses nothing, or if the numbers overflow.
-        let is_finite = mass.mass().is_finite() && mass.local_com.is_finite() && mass.inv_principal_inertia.is_finite();
-        if is_finite { mass } else { MassProperties::default() }
+    /// From now on, computes its mass at once when it is requested.
+    #[cfg(feature = "avian")]
+    pub(crate) fn need_mass(&mut self) {
+        self.is_mass_needed = true;
+    }
+
+    /// Whether its mass has become known since the last call.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn take_weighed(&mut self) -> bool {
+        std::mem::take(&mut self.was_weighed)
     }
 
     fn gather(&mut self, for_contacts: bool) -> Triangles {
@@ -314,8 +332,10 @@ impl Shape for MorphSurface {
         Some(self.clone_dyn())
     }
 
-    /// The mass of the volume that the surface encloses in the pose of the first call. That call costs time linear in the size of
-    /// the mesh.
+    /// The mass of the volume that the surface encloses in the pose of the first call.
+    ///
+    /// For a mesh with more than about 1,000 triangles, it is computed in the next few physics steps, and is 0 until then. If a dynamic body
+    /// carries the surface, it is computed at once, which takes time linear in the size of the mesh.
     fn mass_properties(&self, density: Real) -> MassProperties {
         if density == 0.0 {
             return MassProperties::default();

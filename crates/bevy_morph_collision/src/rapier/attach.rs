@@ -82,12 +82,12 @@ type Shows<'w> = (
 /// It reads [`MorphTrees`] directly, so physics continues while collision detection is paused.
 pub(super) fn attach_surfaces(
     mut commands: Commands,
-    colliders: Query<
+    mut colliders: Query<
         (
             Entity,
             Shows,
             Option<&RapierSurface>,
-            Option<&Collider>,
+            Option<&mut Collider>,
             Option<&RapierContextEntityLink>,
         ),
         (Allow<Disabled>, Or<(With<MorphRapierCollider>, With<RapierSurface>)>),
@@ -98,9 +98,9 @@ pub(super) fn attach_surfaces(
     mut rest: Local<Vec<f32>>,
 ) {
     let Some(trees) = trees else { return };
-    for (entity, shows, surface, collider, context) in &colliders {
+    for (entity, shows, surface, mut collider, context) in &mut colliders {
         // The game's own collider takes precedence.
-        let is_foreign = collider.is_some_and(|collider| !is_surface(collider));
+        let is_foreign = collider.as_deref().is_some_and(|collider| !is_surface(collider));
         let (mesh, settings, skin, weights, has_shape, collides, wanted, disabled) = shows;
         // A shape collides in place of the mesh.
         let mesh = mesh.filter(|_| collides && wanted && !has_shape);
@@ -125,12 +125,18 @@ pub(super) fn attach_surfaces(
                 commands.entity(entity).try_insert((Collider::from(shape), surface));
             }
             (None, _) => {}
-            (Some(_), None) => remove_surface(commands.entity(entity), collider),
+            (Some(_), None) => remove_surface(commands.entity(entity), collider.as_deref()),
             (Some(surface), Some(bvh)) => {
                 let elsewhere = surface.context.is_some() && surface.context != context.map(|link| link.0);
                 if !disabled && (elsewhere || collider.is_none() || !Arc::ptr_eq(&surface.bvh, bvh)) {
                     // Also removes its parts; the new surface is added next time.
                     commands.entity(entity).try_remove::<RapierSurface>();
+                }
+                if surface.following.surface.lock().take_weighed()
+                    && let Some(collider) = &mut collider
+                {
+                    // Makes Rapier's plugin read the mass back.
+                    collider.set_changed();
                 }
             }
         }

@@ -8,7 +8,7 @@ use morph_collision::{Pose, WorldFromModel};
 use parry3d::mass_properties::MassProperties;
 
 /// How many vertices and triangles are looked at per step. Triangles are looked at three times.
-pub(super) const PIECE: usize = 1 << 13;
+pub(super) const PIECE: usize = 1 << 12;
 
 /// A volume this small, relative to what it could be, is rounding of the vertices.
 const ROUNDING: f64 = 1e-6;

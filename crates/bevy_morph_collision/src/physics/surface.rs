@@ -334,7 +334,7 @@ impl Shape for MorphSurface {
 
     /// The mass of the volume that the surface encloses in the pose of the first call.
     ///
-    /// For a mesh with more than about 2,000 triangles, it is computed in the next few physics steps, and is 0 until then. If a dynamic body
+    /// For a mesh with more than about 1,000 triangles, it is computed in the next few physics steps, and is 0 until then. If a dynamic body
     /// carries the surface, it is computed at once, which takes time linear in the size of the mesh.
     fn mass_properties(&self, density: Real) -> MassProperties {
         if density == 0.0 {

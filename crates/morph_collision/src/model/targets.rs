@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn a_sparse_target_is_what_it_was_made_of() {
         // Long runs of both kinds, and blocks in which nothing moves.
-        let moves = |vertex: usize| vertex % 97 < 20 || vertex % 7 == 0 && vertex < 50;
+        let moves = |vertex: usize| vertex % 97 < 20 || vertex.is_multiple_of(7) && vertex < 50;
         let dense: Vec<Vec3> = (0..400)
             .map(|vertex| {
                 if moves(vertex) {

@@ -8,7 +8,7 @@
 //! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
 //! - `frames`: remembers the poses with which surfaces are drawn.
 //! - `step`: the systems around Avian's step.
-//! - `carry`: carries characters. `velocity`: velocities of surfaces, as a public system parameter.
+//! - `carry`, `figure`: carries characters, with their colliders. `velocity`: velocities of surfaces, as a public system parameter.
 //! - `contacts`: turns contacts with parts into contacts with the surface.
 //!
 //! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
@@ -17,6 +17,7 @@ mod ahead;
 mod attach;
 mod carry;
 mod contacts;
+mod figure;
 mod frames;
 mod movers;
 mod part;
@@ -278,21 +279,16 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         )
         .add_systems(
             schedule,
-            (
-                carry::find_ground
-                    .after(PhysicsSystems::Prepare)
-                    .before(PhysicsSystems::StepSimulation),
-                (carry::carry, frames::rest)
-                    .chain()
-                    .after(PhysicsSystems::StepSimulation)
-                    .before(PhysicsSystems::Writeback),
-            ),
+            frames::rest
+                .after(PhysicsSystems::StepSimulation)
+                .before(PhysicsSystems::Writeback),
         )
         // Avian rejects schedules whose systems have an ambiguous order. A game's own systems may be anywhere.
         .add_systems(
             PhysicsSchedule,
             (
                 (
+                    carry::find_ground,
                     contacts::stop_disabled,
                     movers::find_movers,
                     step::before_step,
@@ -307,7 +303,8 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 contacts::name_surfaces
                     .in_set(MorphAvianSystems::AfterContacts)
                     .ambiguous_with_all(),
-                step::after_step
+                (step::after_step, carry::carry)
+                    .chain()
                     .after(PhysicsStepSystems::Solver)
                     .before(PhysicsStepSystems::Sleeping)
                     .ambiguous_with_all(),

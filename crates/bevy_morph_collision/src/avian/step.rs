@@ -10,7 +10,7 @@ use avian3d::prelude::{
     ActiveCollisionHooks, AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform,
     CollidingEntities, CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Friction,
     LinearVelocity, LockedAxes, NarrowPhaseConfig, PhysicsLengthUnit, Position, Restitution, RigidBody,
-    RigidBodyDisabled, Rotation, Sensor, Sleeping, WakeBody,
+    RigidBodyColliders, RigidBodyDisabled, Rotation, Sensor, Sleeping, SpatialQuery, SpatialQueryFilter, WakeBody,
 };
 use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -32,7 +32,7 @@ use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
 use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::part::Pace;
-use crate::physics::passage::middle;
+use crate::physics::passage::{Budget, middle};
 use crate::physics::schedule::InFixedLoop;
 use crate::skeletons::{BindPoses, Skeletons};
 
@@ -48,7 +48,11 @@ pub struct MorphAvianDiagnostics {
     pub parts: u32,
     /// Parts whose vertices were blended for the step.
     pub blended: u32,
-    /// Time spent before the step.
+    /// Fast bodies whose way was compared with the motion of triangles, so that they do not pass through.
+    pub compared_bodies: u32,
+    /// Fast bodies that were not compared, because others were already compared with 200,000 triangles. They may pass through.
+    pub limited_bodies: u32,
+    /// Time spent before the step and after the solver.
     pub duration: Duration,
 }
 
@@ -341,30 +345,56 @@ pub(super) fn drive_out(
     }
 }
 
+/// Bodies that a surface may move back.
+type Movable = (With<RigidBody>, Without<MorphAvianPart>);
+
 /// After the solver, moves bodies back that have passed through a surface. From then on, whole surfaces answer queries again.
 pub(super) fn after_step(
-    mut surfaces: Query<&mut AvianSurface>,
-    colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>)>,
-    mut bodies: Query<(&mut Position, &Rotation, Option<&LockedAxes>), (With<RigidBody>, Without<MorphAvianPart>)>,
+    mut surfaces: Query<(Entity, &mut AvianSurface)>,
+    colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>, &CollisionLayers)>,
+    sensors: Query<(), With<Sensor>>,
+    mut world: ParamSet<(
+        (Query<(&Position, &Rotation, &RigidBodyColliders), With<RigidBody>>, SpatialQuery),
+        Query<(&mut Position, Option<&LockedAxes>), Movable>,
+    )>,
     stepping: Res<Stepping>,
+    mut diagnostics: ResMut<MorphAvianDiagnostics>,
 ) {
-    for mut surface in &mut surfaces {
+    let start = Instant::now();
+    stepping.now.store(false, Ordering::Release);
+    let mut budget = Budget::default();
+    for (entity, mut surface) in &mut surfaces {
         let AvianSurface { following, pushing, .. } = &mut *surface;
+        let (bodies, spatial) = world.p0();
         let end = |entity| {
-            let (collider, of, in_body) = colliders.get(entity).ok()?;
+            let (collider, of, in_body, _) = colliders.get(entity).ok()?;
             let (position, rotation, _) = bodies.get(of.body).ok()?;
             let in_body = in_body.filter(|_| of.body != entity);
             let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
             let place = Place::from_parts(position.0, rotation.0) * in_body;
             Some(place.transform_point(middle(collider.shape_scaled().0.as_ref())?))
         };
-        for (body, shift) in pushing.hold_back(following, end) {
-            if let Ok((mut position, _, locked)) = bodies.get_mut(body) {
+        let is_blocked = |mover, from: Vec3, to: Vec3| {
+            let (Ok((_, of, _, layers)), Ok(direction)) = (colliders.get(mover), Dir3::new(to - from)) else {
+                return false;
+            };
+            let own = bodies.get(of.body).into_iter().flat_map(|(.., own)| own.iter());
+            let sight = SpatialQueryFilter::from_excluded_entities(own.chain([mover, entity])).with_mask(layers.filters);
+            let is_solid = |other| !sensors.contains(other);
+            let hit = spatial.cast_ray_predicate(from, direction, from.distance(to), true, &sight, &is_solid);
+            hit.is_some()
+        };
+        let shifts = pushing.hold_back(following, &mut budget, end, is_blocked);
+        let mut bodies = world.p1();
+        for (body, shift) in shifts {
+            if let Ok((mut position, locked)) = bodies.get_mut(body) {
                 position.0 += free_axes(locked) * shift;
             }
         }
     }
-    stepping.now.store(false, Ordering::Release);
+    diagnostics.compared_bodies = budget.compared;
+    diagnostics.limited_bodies = budget.limited;
+    diagnostics.duration += start.elapsed();
 }
 
 /// 1 for each axis along which a body may move, and 0 for the others.

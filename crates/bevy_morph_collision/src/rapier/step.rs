@@ -22,13 +22,14 @@ use super::forces::Stepped;
 use super::link::Links;
 use super::obstacles::Obstacles;
 use super::stages::{Role, Sources, drive, follow, push, show, tell_too_large};
-use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead};
+use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead, whole_steps};
 use super::touches::tell_whole;
 use super::world::{Audience, Movers, Step, World};
 use crate::collider::MorphColliderDisabled;
 use crate::physics::clock::{Lag, StepTime, Watch};
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;
+use crate::physics::passage::Budget;
 use crate::physics::schedule::InFixedLoop;
 
 /// Counts of [`MorphRapierCollider`]s in the last physics step.
@@ -44,6 +45,10 @@ pub struct MorphRapierDiagnostics {
     pub parts: u32,
     /// Parts whose vertices were blended for the step.
     pub blended: u32,
+    /// Fast bodies whose way was compared with the motion of triangles, so that they do not pass through.
+    pub compared_bodies: u32,
+    /// Fast bodies that were not compared, because others were already compared with 200,000 triangles. They may pass through.
+    pub limited_bodies: u32,
     /// Time spent before and after the step.
     pub duration: Duration,
 }
@@ -232,6 +237,7 @@ pub(super) fn before_step(
                 movers,
                 obstacles: obstacles.as_ref(),
                 audience: &audience,
+                once: whole_steps(&mode, dt) <= 1,
                 body: role.body,
                 stepping: now,
             };
@@ -275,7 +281,7 @@ pub(super) fn after_step(
         false
     });
     stepping.now.store(false, Ordering::Release);
-    let mut repeating = HashMap::default();
+    let (mut repeating, mut budget) = (HashMap::default(), Budget::default());
     for (entity, mut surface) in &mut surfaces {
         let surface = &mut *surface;
         let Some(context) = surface.context else { continue };
@@ -291,7 +297,8 @@ pub(super) fn after_step(
             if pushing.repeats {
                 repeating.insert(entity, context);
             }
-            pushing.hold_back(following, &mut bodies.bodies, &mut colliders.colliders);
+            let world = (&*simulation, &mut bodies.bodies, &mut colliders.colliders);
+            pushing.hold_back(following, world, &mut budget);
             pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
         }
     }
@@ -299,6 +306,8 @@ pub(super) fn after_step(
         let (simulation, _, colliders, _) = contexts.get(context).ok()?;
         Some((&simulation.narrow_phase, colliders))
     });
+    diagnostics.compared_bodies = budget.compared;
+    diagnostics.limited_bodies = budget.limited;
     diagnostics.duration += start.elapsed();
 }
 

@@ -108,7 +108,11 @@ fn a_body_with_several_colliders_is_moved_back_once() {
     );
     let dumbbell = app.world_mut().spawn(dumbbell).id();
     for x in [-0.1, 0.1] {
-        let ball = (Collider::sphere(0.02), Transform::from_xyz(x, 0.0, 0.0), ChildOf(dumbbell));
+        let ball = (
+            Collider::sphere(0.02),
+            Transform::from_xyz(x, 0.0, 0.0),
+            ChildOf(dumbbell),
+        );
         app.world_mut().spawn(ball);
     }
     for step in 1..=60 {

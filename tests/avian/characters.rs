@@ -120,10 +120,17 @@ fn a_carried_character_walks() {
         }
         let moved = at(&app) - begin;
         let expected = Vec3::new(2.0, 1.0, 2.0);
-        assert!(moved.distance(expected) < 0.06, "body: {is_body}: moved by {moved}, not by {expected}");
+        assert!(
+            moved.distance(expected) < 0.06,
+            "body: {is_body}: moved by {moved}, not by {expected}"
+        );
         // Avian sees it where it is drawn, up to the last step.
         let seen = app.world().get::<Position>(character).unwrap().0;
-        assert!(seen.distance(at(&app)) < 0.05, "body: {is_body}: {seen} is not {}", at(&app));
+        assert!(
+            seen.distance(at(&app)) < 0.05,
+            "body: {is_body}: {seen} is not {}",
+            at(&app)
+        );
     }
 }
 
@@ -135,7 +142,10 @@ fn a_body_whose_colliders_are_children_is_carried_as_a_whole() {
         let surface = spawn(&mut app, &sheet(16), RigidBody::Static);
         settle(&mut app);
         let root = (RigidBody::Kinematic, CustomPositionIntegration, Visibility::default());
-        let root = app.world_mut().spawn((root, Transform::from_xyz(-1.0, 0.01, 0.05))).id();
+        let root = app
+            .world_mut()
+            .spawn((root, Transform::from_xyz(-1.0, 0.01, 0.05)))
+            .id();
         let lower = (Collider::sphere(0.3), Transform::from_xyz(0.0, 0.3, 0.0), ChildOf(root));
         let lower = app.world_mut().spawn(lower).id();
         let upper = (Collider::sphere(0.3), Transform::from_xyz(0.0, 1.0, 0.0), ChildOf(root));
@@ -150,10 +160,19 @@ fn a_body_whose_colliders_are_children_is_carried_as_a_whole() {
         let ground = app.world().get::<MorphAvianGround>(carried).unwrap();
         assert_eq!(ground.surface, Some(surface), "on the root: {on_root}");
         let (at, below) = (place(&app, root), place(&app, lower));
-        assert!(at.distance(Vec3::new(1.0, 0.01, 0.05)) < 0.05, "on the root: {on_root}: {at}");
+        assert!(
+            at.distance(Vec3::new(1.0, 0.01, 0.05)) < 0.05,
+            "on the root: {on_root}: {at}"
+        );
         let inside = app.world().get::<Transform>(lower).unwrap().translation;
-        assert!(inside.distance(Vec3::Y * 0.3) < 1e-4, "on the root: {on_root}: {inside}");
-        assert!(below.distance(at + Vec3::Y * 0.3) < 0.05, "on the root: {on_root}: {below}");
+        assert!(
+            inside.distance(Vec3::Y * 0.3) < 1e-4,
+            "on the root: {on_root}: {inside}"
+        );
+        assert!(
+            below.distance(at + Vec3::Y * 0.3) < 0.05,
+            "on the root: {on_root}: {below}"
+        );
     }
 }
 

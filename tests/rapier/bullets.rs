@@ -198,7 +198,11 @@ fn a_body_with_several_colliders_is_moved_back_once() {
     );
     let dumbbell = app.world_mut().spawn(dumbbell).id();
     for x in [-0.1, 0.1] {
-        let ball = (Collider::ball(0.02), Transform::from_xyz(x, 0.0, 0.0), ChildOf(dumbbell));
+        let ball = (
+            Collider::ball(0.02),
+            Transform::from_xyz(x, 0.0, 0.0),
+            ChildOf(dumbbell),
+        );
         app.world_mut().spawn(ball);
     }
     for step in 1..=60 {
@@ -250,4 +254,15 @@ fn the_work_of_a_step_is_limited() {
     // Then the sheet is away.
     let (some, others) = counts[1];
     assert!(some > 0 && others > 0 && some + others == 100, "{counts:?}");
+}
+
+#[test]
+fn while_a_game_holds_back_the_step_nothing_is_moved() {
+    let (mut app, surface, bullet) = bullet_above_a_sheet();
+    app.configure_sets(PostUpdate, PhysicsSet::StepSimulation.run_if(|| false));
+    for step in 1..=60 {
+        set_weights(&mut app, surface, &[2.0 * DT * step as f32, 0.0]);
+        run(&mut app, 1);
+    }
+    assert_eq!(place(&app, bullet), Vec3::new(0.1, 1.0, 0.05));
 }

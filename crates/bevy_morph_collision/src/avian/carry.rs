@@ -117,8 +117,7 @@ pub(super) fn find_ground(
         let below = figure.shapes_at(start, *rotation).filter_map(|(shape, at, rotation)| {
             let mut sight = sight.clone();
             for _ in 0..WALLS {
-                let hit =
-                    spatial.cast_shape_predicate(shape, at.0, rotation, -carry.up, &config, &sight, &is_solid)?;
+                let hit = spatial.cast_shape_predicate(shape, at.0, rotation, -carry.up, &config, &sight, &is_solid)?;
                 if hit.normal1.dot(*carry.up) >= steepest {
                     return Some(hit);
                 }
@@ -201,10 +200,12 @@ fn slide(
     let (mut left, mut moved) = (motion, Vec3::ZERO);
     for _ in 0..4 {
         let Some(direction) = left.try_normalize() else { break };
-        let hits = figure.shapes_at(from + moved, rotation).filter_map(|(shape, at, rotation)| {
-            let hit = space.cast_move(shape, at.0, rotation, left, skin, sight)?;
-            Some((hit.distance, hit.normal1))
-        });
+        let hits = figure
+            .shapes_at(from + moved, rotation)
+            .filter_map(|(shape, at, rotation)| {
+                let hit = space.cast_move(shape, at.0, rotation, left, skin, sight)?;
+                Some((hit.distance, hit.normal1))
+            });
         let Some((distance, normal)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             moved += left;
             break;

@@ -42,6 +42,8 @@ pub use velocity::MorphAvianVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
+use crate::physics::clock::Timing;
+use crate::physics::frames::{after_steps, remember_places};
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
 use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
@@ -248,7 +250,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .register_type::<MorphAvianGround>()
         .init_resource::<carry::Footing>()
         .init_resource::<MorphAvianDiagnostics>()
-        .insert_resource(step::Stepping::new(is_fixed))
+        .insert_resource(step::Stepping::new(Timing::new(is_fixed)))
         .add_observer(attach::detach_surface)
         .add_observer(put_elsewhere::<attach::AvianSurface>)
         .add_observer(contacts::take_parts_along)
@@ -310,13 +312,15 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .ambiguous_with_all(),
             ),
         );
-    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
+    let fixed = |stepping: Res<step::Stepping>| stepping.timing.is_fixed;
     let at_the_end = frames::record_frame
         .after(AnimationSystems)
         .after(TransformSystems::Propagate)
         .before(MorphCollisionSystems::Anchors);
+    let remember = remember_places::<attach::AvianSurface>.after(TransformSystems::Propagate);
+    app.add_systems(PostUpdate, remember);
     if is_fixed != Some(false) {
         app.add_systems(PostUpdate, at_the_end.run_if(fixed))
-            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
+            .add_systems(FixedLast, after_steps::<attach::AvianSurface>.run_if(fixed));
     }
 }

@@ -141,8 +141,8 @@ pub(super) fn find_movers(
                     };
                     way = (linear.0 + falls) * dt;
                     turn = angular.0 * dt;
-                    radius = now.center().distance(position.0 + rotation.0 * center_of_mass.0)
-                        + now.half_extents().length();
+                    radius =
+                        now.center().distance(position.0 + rotation.0 * center_of_mass.0) + now.half_extents().length();
                     let turned = Quat::from_scaled_axis(turn) * rotation.0;
                     // It rotates about its centre of mass.
                     let aside = rotation.0 * center_of_mass.0 - turned * center_of_mass.0;

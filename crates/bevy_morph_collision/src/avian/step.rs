@@ -30,7 +30,7 @@ use super::shape::WholeSurface;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
-use crate::physics::clock::{Lag, StepTime, Watch};
+use crate::physics::clock::{StepTime, Timing};
 use crate::physics::part::Pace;
 use crate::physics::passage::{Budget, middle};
 use crate::physics::schedule::InFixedLoop;
@@ -70,30 +70,12 @@ pub(crate) struct Stepping {
     driven: EntityHashMap<Vec3>,
     /// Whether there was a step since physics was last due.
     pub(super) has_stepped: bool,
-    /// Whether physics runs in a fixed schedule.
-    pub(super) is_fixed: bool,
-    /// Whether each step decides that.
-    is_learning: bool,
-    /// In that case, how far physics is behind what is drawn.
-    pub(super) lag: Lag,
-    pub(super) watch: Watch,
+    pub(super) timing: Timing,
 }
 
 impl Stepping {
-    /// `None` if only the first step will show whether physics runs in a fixed schedule.
-    pub(super) fn new(is_fixed: Option<bool>) -> Self {
-        Self {
-            is_fixed: is_fixed.unwrap_or(false),
-            is_learning: is_fixed.is_none(),
-            ..default()
-        }
-    }
-
-    /// Runs before every step.
-    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
-        if self.is_learning {
-            self.is_fixed = inside.0;
-        }
+    pub(super) fn new(timing: Timing) -> Self {
+        Self { timing, ..default() }
     }
 }
 
@@ -166,7 +148,7 @@ pub(super) fn before_step(
     let start = Instant::now();
     *diagnostics = MorphAvianDiagnostics::default();
     stepping.has_stepped = true;
-    stepping.learn(&inside);
+    stepping.timing.learn(&inside);
     if surfaces.is_empty() {
         return;
     }
@@ -178,13 +160,12 @@ pub(super) fn before_step(
         movers,
         changed,
         driven,
-        is_fixed,
-        lag,
+        timing,
         ..
     } = &mut *stepping;
     let span = fixed
-        .filter(|_| *is_fixed)
-        .and_then(|fixed| lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
+        .filter(|_| timing.is_fixed)
+        .and_then(|fixed| timing.lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
     let time = StepTime { dt, span, share: 1.0 };
     skeletons.begin();
     for (entity, settings, mut surface, collider, knows, mannered, shows, disabled) in &mut surfaces {
@@ -354,7 +335,10 @@ pub(super) fn after_step(
     colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>, &CollisionLayers)>,
     sensors: Query<(), With<Sensor>>,
     mut world: ParamSet<(
-        (Query<(&Position, &Rotation, &RigidBodyColliders), With<RigidBody>>, SpatialQuery),
+        (
+            Query<(&Position, &Rotation, &RigidBodyColliders), With<RigidBody>>,
+            SpatialQuery,
+        ),
         Query<(&mut Position, Option<&LockedAxes>), Movable>,
     )>,
     stepping: Res<Stepping>,
@@ -379,7 +363,8 @@ pub(super) fn after_step(
                 return false;
             };
             let own = bodies.get(of.body).into_iter().flat_map(|(.., own)| own.iter());
-            let sight = SpatialQueryFilter::from_excluded_entities(own.chain([mover, entity])).with_mask(layers.filters);
+            let sight =
+                SpatialQueryFilter::from_excluded_entities(own.chain([mover, entity])).with_mask(layers.filters);
             let is_solid = |other| !sensors.contains(other);
             let hit = spatial.cast_ray_predicate(from, direction, from.distance(to), true, &sight, &is_solid);
             hit.is_some()

@@ -62,7 +62,8 @@ mod tests {
         let axis = Vec3::from(axis).as_dvec3();
         let middle = (local().min.as_dvec3() + local().max.as_dvec3()) / 2.0;
         let half = local().max.as_dvec3() - middle;
-        let columns = [affine.x_axis, affine.y_axis, affine.z_axis].map(|column| Vec3::from(column).as_dvec3().dot(axis));
+        let columns =
+            [affine.x_axis, affine.y_axis, affine.z_axis].map(|column| Vec3::from(column).as_dvec3().dot(axis));
         let center = (0..3).map(|i| columns[i] * middle[i]).sum::<f64>() + affine.translation.as_dvec3().dot(axis);
         let radius = (0..3).map(|i| columns[i].abs() * half[i]).sum::<f64>();
         [center - radius, center + radius]

@@ -5,6 +5,7 @@
 //! - `layout`: properties of a mesh that do not depend on its pose.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, which moment of that a step uses, and what is motion
 //!   (`docs/rapier.md`, "Frames and steps").
+//! - `sources`, `frames`: reads that from components, during steps and at the end of a frame.
 //! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
 //! - `teleport`: surfaces that the game puts somewhere else.
 //! - `begin`: what a surface does at the beginning of a step.
@@ -22,6 +23,7 @@ pub(crate) mod clock;
 pub(crate) mod drawn;
 pub(crate) mod expel;
 pub(crate) mod follow;
+pub(crate) mod frames;
 pub(crate) mod inside;
 pub(crate) mod layout;
 pub(crate) mod moment;
@@ -35,6 +37,7 @@ pub(crate) mod range;
 pub(crate) mod scene;
 pub(crate) mod schedule;
 pub(crate) mod sorted_boxes;
+pub(crate) mod sources;
 // Public with Rapier, because a game can ask for the shape of a collider.
 #[cfg_attr(not(feature = "rapier"), allow(unreachable_pub))]
 pub(crate) mod surface;

@@ -154,7 +154,10 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
     /// Watches a collider if it moves farther, relative to the surface, than contacts can handle. Colliders that are not convex
     /// are left to the engine.
     pub(crate) fn watch(&mut self, (collider, body): (C, B), shape: &dyn Shape, flight: &Flight, grounds: &[Ground]) {
-        let travel = grounds.iter().map(|ground| flight.relative_to(ground)).fold(0.0, f32::max);
+        let travel = grounds
+            .iter()
+            .map(|ground| flight.relative_to(ground))
+            .fold(0.0, f32::max);
         if travel == 0.0 {
             return;
         }
@@ -237,13 +240,7 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
     }
 
     /// Collects the triangles around the way of a point, with their motion. Returns whether the budget suffices.
-    fn look(
-        &mut self,
-        following: &mut Following,
-        budget: &mut Budget,
-        way: MovingPoint,
-        fast: &Fast<C, B>,
-    ) -> bool {
+    fn look(&mut self, following: &mut Following, budget: &mut Budget, way: MovingPoint, fast: &Fast<C, B>) -> bool {
         self.triangles.clear();
         self.before.clear();
         self.now.clear();
@@ -262,7 +259,10 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
         }
         self.blend(following);
         let bvh = following.before.pose.bvh().clone();
-        let corners = self.triangles.iter().filter_map(|&triangle| bvh.model().triangle(triangle));
+        let corners = self
+            .triangles
+            .iter()
+            .filter_map(|&triangle| bvh.model().triangle(triangle));
         for [now, before] in corners.flatten().map(|vertex| self.posed[&vertex]) {
             self.now.push(now);
             // A jump passes nothing.
@@ -277,7 +277,8 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
         let bvh = following.before.pose.bvh().clone();
         for &triangle in &self.triangles {
             let corners = bvh.model().triangle(triangle).into_iter().flatten();
-            self.vertices.extend(corners.filter(|vertex| !self.posed.contains_key(vertex)));
+            self.vertices
+                .extend(corners.filter(|vertex| !self.posed.contains_key(vertex)));
         }
         self.vertices.sort_unstable();
         self.vertices.dedup();
@@ -296,8 +297,12 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
             self.before.clone_from(&self.now);
         }
         let places = self.now.drain(..).zip(self.before.drain(..));
-        self.posed
-            .extend(self.vertices.iter().copied().zip(places.map(|(now, before)| [now, before])));
+        self.posed.extend(
+            self.vertices
+                .iter()
+                .copied()
+                .zip(places.map(|(now, before)| [now, before])),
+        );
     }
 
     /// Where a moving point first passes through a triangle, or into a solid surface.

@@ -64,6 +64,8 @@ pub use velocity::MorphRapierVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
+use crate::physics::clock::Timing;
+use crate::physics::frames::{after_steps, remember_places};
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
 use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
@@ -169,7 +171,8 @@ impl MorphRapierPlugin {
     }
 }
 
-/// The system sets of the plugin, around Rapier's step.
+/// The system sets of the plugin, around Rapier's step. If your game runs Rapier's `PhysicsSet::StepSimulation` only under a condition,
+/// give `BeforeStep` and `AfterStep` the same condition.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphRapierSystems {
     /// Gives colliders their surfaces, before Rapier reads its components.
@@ -269,7 +272,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .register_type::<MorphCharacterCarry>()
         .register_type::<MorphCharacterGround>()
         .init_resource::<MorphRapierDiagnostics>()
-        .insert_resource(step::Stepping::new(is_fixed))
+        .insert_resource(step::Stepping::new(Timing::new(is_fixed)))
         .init_resource::<footing::Footing>()
         .add_observer(step::teach_context)
         .add_observer(attach::detach_surface)
@@ -301,6 +304,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 (attach::stop_absent, step::before_step)
                     .chain()
                     .in_set(MorphRapierSystems::BeforeStep),
+                step::note_step.in_set(PhysicsSet::StepSimulation),
                 step::after_step.in_set(MorphRapierSystems::AfterStep),
                 footing::before_controllers
                     .in_set(PhysicsSet::SyncBackend)
@@ -313,12 +317,13 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 // Rapier places hierarchies before its step, but only those that were marked. Otherwise, the first change of a joint, or
                 // of a body with children, would reach the step a frame late, if at all.
                 mark_dirty_trees
+                    .run_if(any_with_component::<attach::RapierSurface>)
                     .in_set(PhysicsSet::SyncBackend)
                     .after(carry::carry)
                     .before(RapierTransformPropagateSet),
             ),
         );
-    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
+    let fixed = |stepping: Res<step::Stepping>| stepping.timing.is_fixed;
     let at_the_end = frames::record_frame
         .after(AnimationSystems)
         .after(TransformSystems::Propagate)
@@ -327,9 +332,11 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .in_set(MorphRapierSystems::BeforeStep)
         .after(attach::stop_absent)
         .before(step::before_step);
+    let remember = remember_places::<attach::RapierSurface>.after(TransformSystems::Propagate);
+    app.add_systems(PostUpdate, remember);
     if is_fixed != Some(false) {
         app.add_systems(PostUpdate, at_the_end.run_if(fixed))
-            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
+            .add_systems(FixedLast, after_steps::<attach::RapierSurface>.run_if(fixed));
     }
     if is_fixed != Some(true) {
         app.add_systems(schedule, before_steps.run_if(not(fixed)));

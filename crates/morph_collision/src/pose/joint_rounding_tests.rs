@@ -221,7 +221,10 @@ fn boxes_in_other_spaces_hold_exact_preimages() {
                         let [low, high] =
                             [bounds.min, bounds.max].map(|end| Dyadic::from(end[axis]) * determinant.clone());
                         let room = (along.clone() - low).min(high - along);
-                        assert!(!room.is_negative(), "{form:?} {i}: {bounds:?} of {numbers:?} in {space:?}");
+                        assert!(
+                            !room.is_negative(),
+                            "{form:?} {i}: {bounds:?} of {numbers:?} in {space:?}"
+                        );
                         let size = Dyadic::from(bounds.size().max_element()) * determinant.clone();
                         closest = closest.min(room.ratio(&size));
                         checked += 1;

@@ -261,11 +261,7 @@ fn a_skinned_vertex_is_as_defined() {
     // (1, 2, 4) with 5/8 of the second joint, which takes it to (14, 21, 32), and 1/4 of the first, which doubles it.
     let expected = DVec3::new(14.0, 21.0, 32.0) * 0.625 + DVec3::new(2.0, 4.0, 8.0) * 0.25;
     assert_eq!(body.vertex(0), Some(expected));
-    assert_eq!(
-        body.vertex(1),
-        Some(DVec3::ZERO),
-        "no influences: the world's origin"
-    );
+    assert_eq!(body.vertex(1), Some(DVec3::ZERO), "no influences: the world's origin");
     assert_eq!(body.vertex(2), Some(DVec3::new(11.0, 20.0, 31.0)));
     assert_eq!(body.vertex(3), None);
 }

@@ -30,9 +30,7 @@ mod velocity;
 use avian3d::prelude::{NarrowPhaseSystems, PhysicsLengthUnit, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use tracing::error;
 
 pub use carry::{MorphAvianCarry, MorphAvianGround};
 pub use part::MorphAvianPart;
@@ -41,15 +39,14 @@ pub use step::MorphAvianDiagnostics;
 pub use velocity::MorphAvianVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
-use crate::contacts::MorphCollisions;
 use crate::physics::clock::Timing;
+use crate::physics::engine::{self, Engine};
 use crate::physics::frames::{after_steps, remember_places};
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
-use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
+use crate::physics::schedule::{follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
-use crate::plugins::missing;
 
 /// Makes the mesh of a [`MorphCollider`] an Avian collider: bodies collide with it as it morphs.
 ///
@@ -161,78 +158,37 @@ pub enum MorphAvianSystems {
 
 impl Plugin for MorphAvianPlugin {
     fn build(&self, app: &mut App) {
-        // If Avian is there. Otherwise in `finish`, when all plugins are.
-        if is_there(app) && !schedules_with(app, PhysicsSystems::StepSimulation).is_empty() {
-            self.install(app);
-        }
+        engine::build::<Avian>(app, self.schedule);
     }
 
     fn finish(&self, app: &mut App) {
-        if is_there(app) && !app.world().contains_resource::<Settled>() {
-            self.install(app);
-        }
-        check(app);
+        engine::finish::<Avian>(app, self.schedule);
     }
 }
 
-impl MorphAvianPlugin {
-    fn install(self, app: &mut App) {
-        app.init_resource::<Settled>();
-        let found = schedules_with(app, PhysicsSystems::StepSimulation);
-        let schedule = choose(&found, self.schedule, ["MorphAvianPlugin", "PhysicsPlugins"]);
-        if let Some(schedule) = schedule {
-            build(app, schedule);
-        } else if found.is_empty() {
-            error!(
-                "MorphAvianPlugin does nothing, because no schedule has a system in Avian's `PhysicsSystems::StepSimulation`: name the \
-                 schedule in which you run Avian's `PhysicsSchedule`, for example MorphAvianPlugin::new(FixedUpdate)"
-            );
-        }
+/// The engine.
+pub(crate) struct Avian;
+
+impl Engine for Avian {
+    type Present = PhysicsLengthUnit;
+    const PLUGINS: [&'static str; 2] = ["MorphAvianPlugin", "PhysicsPlugins"];
+    const REMEDIES: [&'static str; 2] = [
+        "app.add_plugins(MorphAvianPlugin::default())",
+        "app.add_plugins(PhysicsPlugins::default())",
+    ];
+    const NO_STEP: &'static str = "MorphAvianPlugin does nothing, because no schedule has a system in Avian's `PhysicsSystems::StepSimulation`: name the \
+                 schedule in which you run Avian's `PhysicsSchedule`, for example MorphAvianPlugin::new(FixedUpdate)";
+
+    fn is_there(app: &App) -> bool {
+        app.get_schedule(PhysicsSchedule).is_some()
     }
-}
 
-/// Whether the plugin has found Avian's schedule, or has logged what is missing.
-#[derive(Resource, Default)]
-pub(crate) struct Settled;
-
-/// Whether Avian is in the app.
-fn is_there(app: &App) -> bool {
-    app.get_schedule(PhysicsSchedule).is_some()
-}
-
-fn check(app: &mut App) {
-    if !app.world().contains_resource::<MorphCollisions>() {
-        missing(
-            app,
-            "MorphAvianPlugin does nothing without MorphCollisionPlugin, which builds its trees",
-        );
+    fn schedules(app: &App) -> Vec<InternedScheduleLabel> {
+        schedules_with(app, PhysicsSystems::StepSimulation)
     }
-    if !is_there(app)
-        && missing(
-            app,
-            "MorphAvianPlugin does nothing without PhysicsPlugins: add PhysicsPlugins to the app",
-        )
-    {
-        app.init_resource::<Settled>();
-    }
-    layout::add_to_trees(app);
-}
 
-/// What an app lacks, so that components for Avian have no effect.
-#[derive(SystemParam)]
-pub(crate) struct Lacking<'w> {
-    engine: Option<Res<'w, PhysicsLengthUnit>>,
-    settled: Option<Res<'w, Settled>>,
-}
-
-impl Lacking<'_> {
-    /// How to add the plugin that is missing. `None` if there is none, or if the log says so already.
-    pub(crate) fn remedy(&self) -> Option<&'static str> {
-        match (&self.settled, &self.engine) {
-            (Some(_), _) => None,
-            (None, Some(_)) => Some("app.add_plugins(MorphAvianPlugin::default())"),
-            (None, None) => Some("app.add_plugins(PhysicsPlugins::default())"),
-        }
+    fn build(app: &mut App, schedule: InternedScheduleLabel) {
+        build(app, schedule);
     }
 }
 

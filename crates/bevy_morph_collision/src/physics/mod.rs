@@ -13,7 +13,7 @@
 //! - `point`: points of a surface and their velocities.
 //! - `sorted_boxes`: finds the moving bodies near a surface.
 //! - `near`, `part`, `motion`: triangles near those bodies, as kinematic bodies for one step.
-//! - `schedule`: where an engine steps.
+//! - `engine`, `schedule`: whether an engine is there, and where it steps.
 //! - `passage`: keeps fast bodies from passing through.
 //! - `scene`: all parts of a scene at once.
 
@@ -21,6 +21,7 @@ pub(crate) mod ahead;
 pub(crate) mod begin;
 pub(crate) mod clock;
 pub(crate) mod drawn;
+pub(crate) mod engine;
 pub(crate) mod expel;
 pub(crate) mod follow;
 pub(crate) mod frames;

@@ -45,15 +45,12 @@ mod world;
 
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
-use bevy::ecs::system::SystemParam;
 use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy::transform::systems::mark_dirty_trees;
 use bevy_rapier3d::control::KinematicCharacterController;
 use bevy_rapier3d::plugin::systems::update_character_controls;
 use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization, RapierTransformPropagateSet};
-
-use tracing::error;
 
 pub use crate::physics::surface::MorphSurface;
 pub use carry::{MorphCharacterCarry, MorphCharacterGround};
@@ -63,15 +60,14 @@ pub use step::MorphRapierDiagnostics;
 pub use velocity::MorphRapierVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
-use crate::contacts::MorphCollisions;
 use crate::physics::clock::Timing;
+use crate::physics::engine::{self, Engine};
 use crate::physics::frames::{after_steps, remember_places};
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
-use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
+use crate::physics::schedule::{follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
-use crate::plugins::missing;
 
 /// Makes the mesh of a [`MorphCollider`] a Rapier collider: bodies collide with it as it morphs.
 ///
@@ -185,78 +181,37 @@ pub enum MorphRapierSystems {
 
 impl Plugin for MorphRapierPlugin {
     fn build(&self, app: &mut App) {
-        // If Rapier is there. Otherwise in `finish`, when all plugins are.
-        if is_there(app) && !schedules_with(app, PhysicsSet::StepSimulation).is_empty() {
-            self.install(app);
-        }
+        engine::build::<Rapier>(app, self.schedule);
     }
 
     fn finish(&self, app: &mut App) {
-        if is_there(app) && !app.world().contains_resource::<Settled>() {
-            self.install(app);
-        }
-        check(app);
+        engine::finish::<Rapier>(app, self.schedule);
     }
 }
 
-impl MorphRapierPlugin {
-    fn install(self, app: &mut App) {
-        app.init_resource::<Settled>();
-        let found = schedules_with(app, PhysicsSet::StepSimulation);
-        let schedule = choose(&found, self.schedule, ["MorphRapierPlugin", "RapierPhysicsPlugin"]);
-        if let Some(schedule) = schedule {
-            build(app, schedule);
-        } else if found.is_empty() {
-            error!(
-                "MorphRapierPlugin does nothing, because no schedule has a system in Rapier's `PhysicsSet::StepSimulation`: name the \
-                 schedule to which you will add it, for example MorphRapierPlugin::new(FixedUpdate)"
-            );
-        }
+/// The engine.
+pub(crate) struct Rapier;
+
+impl Engine for Rapier {
+    type Present = RapierContextInitialization;
+    const PLUGINS: [&'static str; 2] = ["MorphRapierPlugin", "RapierPhysicsPlugin"];
+    const REMEDIES: [&'static str; 2] = [
+        "app.add_plugins(MorphRapierPlugin::default())",
+        "app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())",
+    ];
+    const NO_STEP: &'static str = "MorphRapierPlugin does nothing, because no schedule has a system in Rapier's `PhysicsSet::StepSimulation`: name the \
+                 schedule to which you will add it, for example MorphRapierPlugin::new(FixedUpdate)";
+
+    fn is_there(app: &App) -> bool {
+        app.world().contains_resource::<RapierContextInitialization>()
     }
-}
 
-/// Whether the plugin has found Rapier's schedule, or has logged what is missing.
-#[derive(Resource, Default)]
-pub(crate) struct Settled;
-
-/// Whether Rapier is in the app.
-fn is_there(app: &App) -> bool {
-    app.world().contains_resource::<RapierContextInitialization>()
-}
-
-fn check(app: &mut App) {
-    if !app.world().contains_resource::<MorphCollisions>() {
-        missing(
-            app,
-            "MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees",
-        );
+    fn schedules(app: &App) -> Vec<InternedScheduleLabel> {
+        schedules_with(app, PhysicsSet::StepSimulation)
     }
-    if !is_there(app)
-        && missing(
-            app,
-            "MorphRapierPlugin does nothing without RapierPhysicsPlugin: add RapierPhysicsPlugin to the app",
-        )
-    {
-        app.init_resource::<Settled>();
-    }
-    layout::add_to_trees(app);
-}
 
-/// What an app lacks, so that components for Rapier have no effect.
-#[derive(SystemParam)]
-pub(crate) struct Lacking<'w> {
-    engine: Option<Res<'w, RapierContextInitialization>>,
-    settled: Option<Res<'w, Settled>>,
-}
-
-impl Lacking<'_> {
-    /// How to add the plugin that is missing. `None` if there is none, or if the log says so already.
-    pub(crate) fn remedy(&self) -> Option<&'static str> {
-        match (&self.settled, &self.engine) {
-            (Some(_), _) => None,
-            (None, Some(_)) => Some("app.add_plugins(MorphRapierPlugin::default())"),
-            (None, None) => Some("app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())"),
-        }
+    fn build(app: &mut App, schedule: InternedScheduleLabel) {
+        build(app, schedule);
     }
 }
 

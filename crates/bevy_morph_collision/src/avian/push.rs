@@ -158,7 +158,8 @@ impl Pushing {
     }
 
     /// After a step, returns the bodies that have passed through the surface, and how they must be moved back. `end` returns where
-    /// the middle of a collider is now, and `is_blocked` whether something other than the surface is in its way between two points.
+    /// the middle of a collider is now, and `is_blocked` whether something static or kinematic is between two points, besides
+    /// the surface.
     pub(super) fn hold_back(
         &mut self,
         following: &mut Following,

@@ -10,7 +10,7 @@ use avian3d::prelude::{
     ActiveCollisionHooks, AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform,
     CollidingEntities, CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Friction,
     LinearVelocity, LockedAxes, NarrowPhaseConfig, PhysicsLengthUnit, Position, Restitution, RigidBody,
-    RigidBodyColliders, RigidBodyDisabled, Rotation, Sensor, Sleeping, SpatialQuery, SpatialQueryFilter, WakeBody,
+    RigidBodyDisabled, Rotation, Sensor, Sleeping, SpatialQuery, SpatialQueryFilter, WakeBody,
 };
 use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -335,10 +335,7 @@ pub(super) fn after_step(
     colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>, &CollisionLayers)>,
     sensors: Query<(), With<Sensor>>,
     mut world: ParamSet<(
-        (
-            Query<(&Position, &Rotation, &RigidBodyColliders), With<RigidBody>>,
-            SpatialQuery,
-        ),
+        (Query<(&Position, &Rotation, &RigidBody)>, SpatialQuery),
         Query<(&mut Position, Option<&LockedAxes>), Movable>,
     )>,
     stepping: Res<Stepping>,
@@ -359,13 +356,12 @@ pub(super) fn after_step(
             Some(place.transform_point(middle(collider.shape_scaled().0.as_ref())?))
         };
         let is_blocked = |mover, from: Vec3, to: Vec3| {
-            let (Ok((_, of, _, layers)), Ok(direction)) = (colliders.get(mover), Dir3::new(to - from)) else {
+            let (Ok((.., layers)), Ok(direction)) = (colliders.get(mover), Dir3::new(to - from)) else {
                 return false;
             };
-            let own = bodies.get(of.body).into_iter().flat_map(|(.., own)| own.iter());
-            let sight =
-                SpatialQueryFilter::from_excluded_entities(own.chain([mover, entity])).with_mask(layers.filters);
-            let is_solid = |other| !sensors.contains(other);
+            let sight = SpatialQueryFilter::from_excluded_entities([entity]).with_mask(layers.filters);
+            let kind = |collider| Some(bodies.get(colliders.get(collider).ok()?.1.body).ok()?.2);
+            let is_solid = |other| !sensors.contains(other) && kind(other) != Some(&RigidBody::Dynamic);
             let hit = spatial.cast_ray_predicate(from, direction, from.distance(to), true, &sight, &is_solid);
             hit.is_some()
         };

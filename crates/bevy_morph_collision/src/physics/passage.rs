@@ -177,8 +177,8 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
 
     /// Ends a step: returns the bodies that have passed through the surface, or into a solid one, and how they must be moved back.
     ///
-    /// `end` returns where the middle of a collider is after the step, and `is_blocked` whether something else is between two
-    /// points. A body is not put behind something else, such as the floor on which it lies.
+    /// `end` returns where the middle of a collider is after the step, and `is_blocked` whether something static or kinematic is
+    /// between two points. A body is not put behind that, such as the floor on which it lies.
     pub(crate) fn hold_back(
         &mut self,
         following: &mut Following,

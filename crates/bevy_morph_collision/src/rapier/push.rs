@@ -319,8 +319,8 @@ impl Pushing {
         let is_blocked = |mover: ColliderHandle, from: Vec3, to: Vec3| {
             let Some(mover) = colliders.get(mover) else { return true };
             let is_other = |_: ColliderHandle, other: &Collider| !other.is_sensor() && other.user_data != surface;
-            let mut filter = QueryFilter::new().groups(mover.collision_groups()).predicate(&is_other);
-            filter.exclude_rigid_body = mover.parent();
+            let filter = QueryFilter::exclude_dynamic();
+            let filter = filter.groups(mover.collision_groups()).predicate(&is_other);
             let pipeline = simulation.broad_phase.as_query_pipeline(
                 simulation.narrow_phase.query_dispatcher(),
                 bodies,

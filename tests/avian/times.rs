@@ -123,7 +123,13 @@ fn what_changes_during_a_pause_throws_nothing() {
                 (Change::Body, 0.02),
                 (Change::Body, 0.2),
             ];
-            let at_once = changes.iter().map(|&change| (change, 0));
+            // Avian does one more step after its clock was paused. Of short frames, not every one has a step.
+            let first = match how {
+                Pause::Physics if schedule.1 < 1.0 / 64.0 => 5,
+                Pause::Physics => 1,
+                _ => 0,
+            };
+            let at_once = changes.iter().map(|&change| (change, first));
             for ((change, by), later) in changes.iter().map(|&change| (change, 5)).chain(at_once) {
                 let (mut app, all) = on_a_sheet(schedule, change, 100.0, Collider::sphere(0.5));
                 pause(&mut app, how, true);

@@ -269,12 +269,15 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             ),
         );
     let fixed = |stepping: Res<step::Stepping>| stepping.timing.is_fixed;
-    let at_the_end = frames::record_frame
+    let remember = remember_places::<attach::AvianSurface>
         .after(AnimationSystems)
         .after(TransformSystems::Propagate)
         .before(MorphCollisionSystems::Anchors);
-    let remember = remember_places::<attach::AvianSurface>.after(TransformSystems::Propagate);
     app.add_systems(PostUpdate, remember);
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(remember_places::<attach::AvianSurface>);
     if is_fixed != Some(false) {
         app.add_systems(PostUpdate, at_the_end.run_if(fixed))
             .add_systems(FixedLast, after_steps::<attach::AvianSurface>.run_if(fixed));

@@ -279,16 +279,19 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             ),
         );
     let fixed = |stepping: Res<step::Stepping>| stepping.timing.is_fixed;
-    let at_the_end = frames::record_frame
+    let remember = remember_places::<attach::RapierSurface>
         .after(AnimationSystems)
         .after(TransformSystems::Propagate)
         .before(MorphCollisionSystems::Anchors);
+    app.add_systems(PostUpdate, remember);
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(remember_places::<attach::RapierSurface>);
     let before_steps = frames::record_frame
         .in_set(MorphRapierSystems::BeforeStep)
         .after(attach::stop_absent)
         .before(step::before_step);
-    let remember = remember_places::<attach::RapierSurface>.after(TransformSystems::Propagate);
-    app.add_systems(PostUpdate, remember);
     if is_fixed != Some(false) {
         app.add_systems(PostUpdate, at_the_end.run_if(fixed))
             .add_systems(FixedLast, after_steps::<attach::RapierSurface>.run_if(fixed));

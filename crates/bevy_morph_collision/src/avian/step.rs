@@ -13,7 +13,7 @@ use avian3d::prelude::{
     RigidBodyDisabled, Rotation, Sensor, Sleeping, SpatialQuery, SpatialQueryFilter, WakeBody,
 };
 use bevy::ecs::entity::hash_map::EntityHashMap;
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
@@ -34,7 +34,7 @@ use crate::physics::clock::{StepTime, Timing};
 use crate::physics::part::Pace;
 use crate::physics::passage::{Budget, middle};
 use crate::physics::schedule::InFixedLoop;
-use crate::skeletons::{BindPoses, Skeletons};
+use crate::physics::sources::Sources;
 
 /// Counts of [`MorphAvianCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -135,11 +135,7 @@ pub(super) fn before_step(
     mut parts: Parts,
     mut sleep: Sleep,
     joint_graph: Res<JointGraph>,
-    shared: Query<&MorphWeights>,
-    globals: Query<&GlobalTransform>,
-    bind_poses: Option<Res<BindPoses>>,
-    mut skeletons: Local<Skeletons>,
-    names: Query<NameOrEntity>,
+    mut sources: Sources,
     (config, solver, length_unit): (Res<NarrowPhaseConfig>, Res<SolverConfig>, Res<PhysicsLengthUnit>),
     (time, fixed, inside): (Res<Time>, Option<Res<Time<Fixed>>>, Res<InFixedLoop>),
     mut stepping: ResMut<Stepping>,
@@ -153,6 +149,14 @@ pub(super) fn before_step(
         return;
     }
     let dt = time.delta_secs();
+    let Sources {
+        shared,
+        globals,
+        bind_poses,
+        skeletons,
+        names,
+    } = &mut sources;
+    let (shared, globals, bind_poses) = (&*shared, &*globals, bind_poses.as_deref());
     let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
     let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
     let Stepping {
@@ -191,11 +195,11 @@ pub(super) fn before_step(
             // Avian determines where the entity is.
             drawn.stands_alone = false;
             drawn.on_body = body.is_some();
-            let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+            let live = drawn.live(global, skin, skeletons, bind_poses, globals);
             drawn.at_step(&live);
             let between_frames = span.and_then(|span| drawn.joints.at(span.end));
             let joints = skin.and_then(|skin| {
-                let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+                let skeleton = skeletons.of(skin, bind_poses, global_of);
                 skeleton.world_from_mesh()
             });
             let joints = match (&between_frames, joints) {
@@ -224,7 +228,7 @@ pub(super) fn before_step(
             let ahead = ahead(global, own, motion, (is_skinned, joints), dt);
             let at = global.translation();
             let name = || name_of(entity);
-            off = !advance(following, (ahead, at), (weights, &shared), time, bad_place, name);
+            off = !advance(following, (ahead, at), (weights, shared), time, bad_place, name);
         }
         if off {
             // Movement of the surface while it is off does not count as motion.

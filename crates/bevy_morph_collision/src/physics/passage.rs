@@ -129,13 +129,8 @@ pub(crate) enum Ground {
 }
 
 impl Flight {
-    /// How far its points move at most.
-    pub(crate) fn travel(&self) -> f32 {
-        self.relative_to(&Ground::Still)
-    }
-
-    /// The same relative to a surface.
-    fn relative_to(&self, ground: &Ground) -> f32 {
+    /// How far its points move at most, relative to a surface.
+    pub(crate) fn relative_to(&self, ground: &Ground) -> f32 {
         let (way, turn, more) = match *ground {
             Ground::Still => (self.way, self.turn, 0.0),
             Ground::Moving { way, turn, error } => (self.way - way, self.turn - turn, error),

@@ -20,10 +20,10 @@ type Shown<'a> = (
 #[derive(SystemParam)]
 pub(crate) struct Sources<'w, 's> {
     pub(crate) shared: Query<'w, 's, &'static MorphWeights>,
-    globals: Query<'w, 's, &'static GlobalTransform>,
-    bind_poses: Option<Res<'w, BindPoses>>,
+    pub(crate) globals: Query<'w, 's, &'static GlobalTransform>,
+    pub(crate) bind_poses: Option<Res<'w, BindPoses>>,
     pub(crate) skeletons: Local<'s, Skeletons>,
-    names: Query<'w, 's, NameOrEntity>,
+    pub(crate) names: Query<'w, 's, NameOrEntity>,
 }
 
 impl Sources<'_, '_> {
@@ -47,6 +47,7 @@ impl Sources<'_, '_> {
         following.rest(&live, (weights, &self.shared));
     }
 
+    #[cfg(feature = "rapier")]
     pub(crate) fn name(&self, entity: Entity) -> String {
         self.names.get(entity).map(|name| name.to_string()).unwrap_or_default()
     }

@@ -20,7 +20,7 @@ use super::obstacles::Obstacles;
 use super::sweep::MARGIN;
 use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
-use crate::physics::passage::{FAR, Flight};
+use crate::physics::passage::{FAR, Flight, Ground};
 use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
 use crate::physics::triangles::Patch;
@@ -235,7 +235,7 @@ fn find_movers(
                     asleep,
                 },
                 // Not less if it moves less far: then boxes would grow in small steps, and each change costs.
-                ahead: if flight.travel() > FAR * thin {
+                ahead: if flight.relative_to(&Ground::Still) > FAR * thin {
                     MARGIN * shape.shape().ccd_thickness()
                 } else {
                     0.0

@@ -42,7 +42,7 @@ impl Figures<'_, '_> {
         let collider = self.colliders.get(character).ok();
         let of = collider.as_ref().and_then(|(_, of, ..)| *of);
         let root = of.map_or(character, |of| of.body);
-        let of_body = || self.bodies.get(root).into_iter().flat_map(|colliders| colliders.iter());
+        let of_body = || self.bodies.get(root).into_iter().flat_map(RelationshipTarget::iter);
         let wanted: Vec<Entity> = match collider {
             Some(_) => vec![character],
             None => of_body().collect(),

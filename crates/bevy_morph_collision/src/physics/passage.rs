@@ -184,7 +184,7 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
         let mut fast = std::mem::take(&mut self.fast);
         let mut shifts: HashMap<B, Vec3> = HashMap::default();
         for fast in fast.drain(..) {
-            let Some(end) = end(fast.collider).map(|end| end.as_dvec3()) else {
+            let Some(end) = end(fast.collider).map(Vec3::as_dvec3) else {
                 continue;
             };
             let is_blocked = |target: DVec3| is_blocked(fast.collider, fast.start.as_vec3(), target.as_vec3());

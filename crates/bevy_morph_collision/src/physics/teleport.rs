@@ -24,7 +24,7 @@ pub(crate) fn put_elsewhere<S: PhysicsSurface>(
     children: Query<&'static Children>,
 ) {
     for entity in with_descendants(marked.entity, &children) {
-        let colliders = bodies.get(entity).into_iter().flat_map(|colliders| colliders.iter());
+        let colliders = bodies.get(entity).into_iter().flat_map(RelationshipTarget::iter);
         for surface in std::iter::once(entity).chain(colliders) {
             if let Ok(mut surface) = surfaces.get_mut(surface) {
                 surface.following().drawn.put();

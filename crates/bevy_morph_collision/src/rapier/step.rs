@@ -297,7 +297,7 @@ pub(super) fn after_step(
             if pushing.repeats {
                 repeating.insert(entity, context);
             }
-            let world = (&*simulation, &mut bodies.bodies, &mut colliders.colliders);
+            let world = (simulation, &mut bodies.bodies, &mut colliders.colliders);
             if stepping.has_stepped {
                 pushing.hold_back(following, world, &mut budget);
             }

@@ -7,19 +7,22 @@ use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::support::{DT, app, body, place, run, set_weights, spawn};
 
-/// A character with its own velocity.
+/// A character with its own velocity: how it falls, and how it walks.
 #[derive(Component, Default)]
-struct Walker(Vec3);
+struct Walker {
+    falls: Vec3,
+    walks: Vec3,
+}
 
 fn walk(mut walkers: Query<(Entity, &mut Walker, &Collider, &mut Transform)>, space: MoveAndSlide, time: Res<Time>) {
     for (entity, mut walker, collider, mut transform) in &mut walkers {
-        let fallen = walker.0 - Vec3::Y * 9.81 * time.delta_secs();
+        let fallen = walker.falls - Vec3::Y * 9.81 * time.delta_secs();
         let filter = SpatialQueryFilter::from_excluded_entities([entity]);
         let moved = space.move_and_slide(
             collider,
             transform.translation,
             transform.rotation,
-            fallen,
+            fallen + walker.walks,
             time.delta(),
             &MoveAndSlideConfig::default(),
             &filter,
@@ -27,7 +30,7 @@ fn walk(mut walkers: Query<(Entity, &mut Walker, &Collider, &mut Transform)>, sp
         );
         transform.translation = moved.position;
         // It brakes on the ground at once.
-        walker.0 = Vec3::Y * moved.projected_velocity.y;
+        walker.falls = Vec3::Y * moved.projected_velocity.y;
     }
 }
 
@@ -97,6 +100,79 @@ fn a_character_stands_on_a_surface_and_is_carried() {
                 "body: {is_body}, rises at {rise}, slides at {slide}: moved by {moved}, not by {expected}"
             );
         }
+    }
+}
+
+#[test]
+fn a_carried_character_walks() {
+    for is_body in [true, false] {
+        let (mut app, surface, character) = match is_body {
+            true => on_a_sheet((), kinematic()),
+            false => on_a_sheet((), MorphAvianCarry::default()),
+        };
+        app.world_mut().get_mut::<Walker>(character).unwrap().walks = Vec3::Z;
+        let at = |app: &App| app.world().get::<Transform>(character).unwrap().translation;
+        let begin = at(&app);
+        for i in 1..=120 {
+            let time = DT * i as f32;
+            set_weights(&mut app, surface, &[0.5 * time, time]);
+            run(&mut app, 1);
+        }
+        let moved = at(&app) - begin;
+        let expected = Vec3::new(2.0, 1.0, 2.0);
+        assert!(
+            moved.distance(expected) < 0.06,
+            "body: {is_body}: moved by {moved}, not by {expected}"
+        );
+        // Avian sees it where it is drawn, up to the last step.
+        let seen = app.world().get::<Position>(character).unwrap().0;
+        assert!(
+            seen.distance(at(&app)) < 0.05,
+            "body: {is_body}: {seen} is not {}",
+            at(&app)
+        );
+    }
+}
+
+#[test]
+fn a_body_whose_colliders_are_children_is_carried_as_a_whole() {
+    // The component is on the body, or on its collider.
+    for on_root in [true, false] {
+        let mut app = app();
+        let surface = spawn(&mut app, &sheet(16), RigidBody::Static);
+        settle(&mut app);
+        let root = (RigidBody::Kinematic, CustomPositionIntegration, Visibility::default());
+        let root = app
+            .world_mut()
+            .spawn((root, Transform::from_xyz(-1.0, 0.01, 0.05)))
+            .id();
+        let lower = (Collider::sphere(0.3), Transform::from_xyz(0.0, 0.3, 0.0), ChildOf(root));
+        let lower = app.world_mut().spawn(lower).id();
+        let upper = (Collider::sphere(0.3), Transform::from_xyz(0.0, 1.0, 0.0), ChildOf(root));
+        app.world_mut().spawn(upper);
+        let carried = if on_root { root } else { lower };
+        app.world_mut().entity_mut(carried).insert(MorphAvianCarry::default());
+        run(&mut app, 10);
+        for i in 1..=120 {
+            set_weights(&mut app, surface, &[0.0, DT * i as f32]);
+            run(&mut app, 1);
+        }
+        let ground = app.world().get::<MorphAvianGround>(carried).unwrap();
+        assert_eq!(ground.surface, Some(surface), "on the root: {on_root}");
+        let (at, below) = (place(&app, root), place(&app, lower));
+        assert!(
+            at.distance(Vec3::new(1.0, 0.01, 0.05)) < 0.05,
+            "on the root: {on_root}: {at}"
+        );
+        let inside = app.world().get::<Transform>(lower).unwrap().translation;
+        assert!(
+            inside.distance(Vec3::Y * 0.3) < 1e-4,
+            "on the root: {on_root}: {inside}"
+        );
+        assert!(
+            below.distance(at + Vec3::Y * 0.3) < 0.05,
+            "on the root: {on_root}: {below}"
+        );
     }
 }
 

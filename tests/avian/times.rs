@@ -123,10 +123,17 @@ fn what_changes_during_a_pause_throws_nothing() {
                 (Change::Body, 0.02),
                 (Change::Body, 0.2),
             ];
-            for (change, by) in changes {
+            // Avian does one more step after its clock was paused. Of short frames, not every one has a step.
+            let first = match how {
+                Pause::Physics if schedule.1 < 1.0 / 64.0 => 5,
+                Pause::Physics => 1,
+                _ => 0,
+            };
+            let at_once = changes.iter().map(|&change| (change, first));
+            for ((change, by), later) in changes.iter().map(|&change| (change, 5)).chain(at_once) {
                 let (mut app, all) = on_a_sheet(schedule, change, 100.0, Collider::sphere(0.5));
                 pause(&mut app, how, true);
-                run(&mut app, 5);
+                run(&mut app, later);
                 raise(&mut app, all, change, by);
                 run(&mut app, 5);
                 pause(&mut app, how, false);
@@ -134,7 +141,7 @@ fn what_changes_during_a_pause_throws_nothing() {
                 let rests = place(&app, all[2]).y;
                 if highest > 0.51 + by.max(0.0) || (rests - 0.5 - by).abs() > 1e-2 {
                     wrong.push(format!(
-                        "{schedule:?}, {how:?}, {change:?} by {by}: thrown to {highest}, rests at {rests}"
+                        "{schedule:?}, {how:?}, {change:?} by {by}, {later} frames later: thrown to {highest}, rests at {rests}"
                     ));
                 }
             }

@@ -85,3 +85,20 @@ fn what_changes_while_time_is_set_back_throws_nothing() {
         assert!((rests - 0.5 - by).abs() < 1e-2, "it rests at {rests} after {by}");
     }
 }
+
+#[test]
+fn what_flies_past_the_rim_in_a_long_frame_is_not_put_back() {
+    let mut app = app(Path::new("."), Steps::Interpolated);
+    spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    frames(&mut app, Frames::Every(1.0 / 60.0), 10);
+    // A straight line from its start to its end would cross the sheet, which ends at 4.
+    let ball = body(&mut app, Collider::ball(0.01), Vec3::new(3.8, 0.08, 0.05));
+    app.world_mut()
+        .entity_mut(ball)
+        .insert(Velocity::linear(Vec3::new(3.0, -0.5, 0.0)));
+    frames(&mut app, Frames::Every(0.2), 1);
+    frames(&mut app, Frames::Every(1.0 / 60.0), 5);
+    let at = place(&app, ball);
+    assert!(at.x > 4.3 && at.y < -0.1, "{at}");
+}

@@ -1,8 +1,8 @@
 //! Carries kinematic characters along with the surface on which they stand.
 
 use avian3d::prelude::{
-    Collider, ColliderOf, CollisionLayers, MoveAndSlide, MoveAndSlideConfig, Physics, PhysicsLengthUnit, Position,
-    RigidBody, RigidBodyColliders, Rotation, Sensor, ShapeCastConfig, SpatialQuery, SpatialQueryFilter,
+    ColliderOf, MoveAndSlide, MoveAndSlideConfig, Physics, PhysicsLengthUnit, Position, RigidBody, Rotation, Sensor,
+    ShapeCastConfig, SpatialQuery, SpatialQueryFilter,
 };
 use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::prelude::*;
@@ -10,14 +10,17 @@ use morph_collision::ShapeQuery;
 
 use super::MorphAvianCollider;
 use super::attach::AvianSurface;
-use super::step::Stepping;
+use super::figure::{Figure, Figures};
 use crate::physics::point::SurfacePoint;
 
 /// Carries a character along with the [`MorphAvianCollider`] on which it stands.
 ///
 /// Put it on a character that your game moves itself, for example with Avian's `MoveAndSlide`: an entity with a `Collider`, and
-/// usually with `RigidBody::Kinematic`. After each step, the character also moves with the velocity of the surface below its feet,
-/// until it hits a wall. It is not rotated.
+/// usually with `RigidBody::Kinematic`. At the end of each step, the character also moves with the velocity of the surface below its
+/// feet, until it hits a wall. It is not rotated. Your own changes of its `Transform` add to that.
+///
+/// The component may be on a body, or on a collider below it: the body moves. If the entity has no `Collider`, all colliders of its
+/// body are its shape.
 ///
 /// The ground is the first thing below its shape that is not steeper than [`max_slope`](Self::max_slope). Surfaces that the
 /// character merely touches do not move it. `MoveAndSlide` ignores colliders without a `RigidBody`, so give the surface one, such as
@@ -76,26 +79,11 @@ pub(super) struct Footing(EntityHashMap<(Entity, SurfacePoint)>);
 /// The number of things below a character that are too steep and may be skipped.
 const WALLS: usize = 4;
 
-/// What a character does not collide with while it looks for ground or is carried.
-fn sight(character: Entity, own: Option<&RigidBodyColliders>, layers: Option<&CollisionLayers>) -> SpatialQueryFilter {
-    let mut filter = SpatialQueryFilter::from_excluded_entities([character]);
-    filter
-        .excluded_entities
-        .extend(own.into_iter().flat_map(|own| own.iter()));
-    match layers {
-        Some(layers) => filter.with_mask(layers.filters),
-        None => filter,
-    }
-}
-
 /// Before a step: finds the points on which characters stand. Surfaces are where the last step left them.
 pub(super) fn find_ground(
-    characters: Query<(
-        Entity,
-        &MorphAvianCarry,
-        (&Collider, &Position, &Rotation),
-        (Option<&RigidBodyColliders>, Option<&CollisionLayers>),
-    )>,
+    characters: Query<(Entity, &MorphAvianCarry)>,
+    figures: Figures,
+    places: Query<(&Position, &Rotation)>,
     mut surfaces: Query<(&mut AvianSurface, Option<&ColliderOf>), With<MorphAvianCollider>>,
     bodies: Query<&RigidBody>,
     sensors: Query<(), With<Sensor>>,
@@ -108,12 +96,17 @@ pub(super) fn find_ground(
     if surfaces.is_empty() {
         return;
     }
-    for (entity, carry, (collider, position, rotation), (own, layers)) in &characters {
+    let is_solid = |entity| !sensors.contains(entity);
+    for (entity, carry) in &characters {
         let reach = carry.reach * length_unit.0;
+        let Some(figure) = figures.of(entity) else { continue };
+        let Ok((position, rotation)) = places.get(figure.root) else {
+            continue;
+        };
         if !position.0.is_finite() || !(reach > 0.0 && reach.is_finite()) {
             continue;
         }
-        let mut filter = sight(entity, own, layers);
+        let sight = figure.sight();
         // From higher up, because the character may touch the ground.
         let start = position.0 + carry.up * reach;
         let config = ShapeCastConfig {
@@ -121,18 +114,20 @@ pub(super) fn find_ground(
             ..ShapeCastConfig::from_max_distance(2.0 * reach)
         };
         let steepest = carry.max_slope.cos().max(1e-3);
-        let mut below = None;
-        for _ in 0..WALLS {
-            let is_solid = |entity| !sensors.contains(entity);
-            let hit = spatial.cast_shape_predicate(collider, start, *rotation, -carry.up, &config, &filter, &is_solid);
-            let Some(hit) = hit else { break };
-            if hit.normal1.dot(*carry.up) >= steepest {
-                below = Some(hit);
-                break;
+        let below = figure.shapes_at(start, *rotation).filter_map(|(shape, at, rotation)| {
+            let mut sight = sight.clone();
+            for _ in 0..WALLS {
+                let hit = spatial.cast_shape_predicate(shape, at.0, rotation, -carry.up, &config, &sight, &is_solid)?;
+                if hit.normal1.dot(*carry.up) >= steepest {
+                    return Some(hit);
+                }
+                sight.excluded_entities.insert(hit.entity);
             }
-            filter.excluded_entities.insert(hit.entity);
-        }
-        let Some(hit) = below else { continue };
+            None
+        });
+        let Some(hit) = below.min_by(|a, b| a.distance.total_cmp(&b.distance)) else {
+            continue;
+        };
         let Ok((mut surface, of)) = surfaces.get_mut(hit.entity) else {
             continue;
         };
@@ -144,53 +139,48 @@ pub(super) fn find_ground(
     }
 }
 
-/// After a step: moves characters along with those points.
+/// At the end of a step: moves characters along with those points.
+///
+/// Inside the step, so that Avian does not take the new place for one that the game has set since then: it would ignore how the
+/// game itself moves the `Transform`.
 pub(super) fn carry(
-    mut characters: Query<(
-        Entity,
-        &mut MorphAvianGround,
-        (&Collider, &Rotation),
-        (Option<&RigidBodyColliders>, Option<&CollisionLayers>),
-        (Has<RigidBody>, Option<&mut Transform>, Option<&ChildOf>),
-    )>,
+    mut characters: Query<(Entity, &mut MorphAvianGround)>,
+    figures: Figures,
     mut surfaces: Query<&mut AvianSurface>,
-    mut places: ParamSet<(MoveAndSlide, Query<&mut Position>)>,
+    mut places: ParamSet<(MoveAndSlide, Query<(&mut Position, &Rotation)>)>,
+    mut transforms: Query<(&mut Transform, Option<&ChildOf>), Without<RigidBody>>,
     globals: Query<&GlobalTransform>,
     footing: Res<Footing>,
-    stepping: Res<Stepping>,
     (time, length_unit): (Res<Time<Physics>>, Res<PhysicsLengthUnit>),
 ) {
-    if !stepping.has_stepped {
-        return;
-    }
     let skin = MoveAndSlideConfig::default().skin_width * length_unit.0;
-    for (entity, mut ground, (collider, rotation), (own, layers), (is_body, transform, parent)) in &mut characters {
+    for (entity, mut ground) in &mut characters {
         let mut new = MorphAvianGround::default();
         if let Some(&(surface, point)) = footing.0.get(&entity)
             && let Ok(mut state) = surfaces.get_mut(surface)
+            && let Some(figure) = figures.of(entity)
         {
             let velocity = state.following.velocity_at(point).unwrap_or_default().as_vec3();
             new.surface = Some(surface);
             new.velocity = velocity;
-            let mut filter = sight(entity, own, layers);
-            filter.excluded_entities.insert(surface);
-            let from = places.p1().get(entity).map(|position| position.0);
+            let mut sight = figure.sight();
+            sight.excluded_entities.insert(surface);
+            let from = places.p1().get(figure.root).map(|(at, rotation)| (at.0, *rotation));
             let motion = velocity * time.delta_secs();
             if let Ok(from) = from
                 && motion != Vec3::ZERO
                 && motion.is_finite()
             {
-                let shift = slide(&places.p0(), collider, (from, *rotation), motion, skin, &filter);
-                if let Ok(mut position) = places.p1().get_mut(entity) {
-                    position.0 += shift;
-                }
-                // Avian copies positions of bodies back, but not those of other colliders.
-                if !is_body && let Some(mut transform) = transform {
+                let shift = slide(&places.p0(), &figure, from, motion, skin, &sight);
+                if let Ok((mut transform, parent)) = transforms.get_mut(figure.root) {
+                    // Avian follows the transform of a collider without a body.
                     let parent = parent.and_then(|parent| globals.get(parent.parent()).ok());
                     transform.translation += match parent {
                         Some(parent) => parent.affine().inverse().transform_vector3(shift),
                         None => shift,
                     };
+                } else if let Ok((mut position, _)) = places.p1().get_mut(figure.root) {
+                    position.0 += shift;
                 }
             }
         }
@@ -198,26 +188,32 @@ pub(super) fn carry(
     }
 }
 
-/// How far a shape moves that slides along what is in its way.
+/// How far a character moves that slides along what is in its way.
 fn slide(
     space: &MoveAndSlide,
-    shape: &Collider,
+    figure: &Figure,
     (from, rotation): (Vec3, Rotation),
     motion: Vec3,
     skin: f32,
-    filter: &SpatialQueryFilter,
+    sight: &SpatialQueryFilter,
 ) -> Vec3 {
     let (mut left, mut moved) = (motion, Vec3::ZERO);
     for _ in 0..4 {
         let Some(direction) = left.try_normalize() else { break };
-        let Some(hit) = space.cast_move(shape, from + moved, rotation, left, skin, filter) else {
+        let hits = figure
+            .shapes_at(from + moved, rotation)
+            .filter_map(|(shape, at, rotation)| {
+                let hit = space.cast_move(shape, at.0, rotation, left, skin, sight)?;
+                Some((hit.distance, hit.normal1))
+            });
+        let Some((distance, normal)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             moved += left;
             break;
         };
-        let way = direction * hit.distance.min(left.length());
+        let way = direction * distance.min(left.length());
         moved += way;
         left -= way;
-        left -= hit.normal1 * left.dot(hit.normal1).min(0.0);
+        left -= normal * left.dot(normal).min(0.0);
     }
     moved
 }

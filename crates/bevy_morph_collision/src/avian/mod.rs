@@ -8,7 +8,7 @@
 //! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
 //! - `frames`: remembers the poses with which surfaces are drawn.
 //! - `step`: the systems around Avian's step.
-//! - `carry`: carries characters. `velocity`: velocities of surfaces, as a public system parameter.
+//! - `carry`, `figure`: carries characters, with their colliders. `velocity`: velocities of surfaces, as a public system parameter.
 //! - `contacts`: turns contacts with parts into contacts with the surface.
 //!
 //! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
@@ -17,6 +17,7 @@ mod ahead;
 mod attach;
 mod carry;
 mod contacts;
+mod figure;
 mod frames;
 mod movers;
 mod part;
@@ -29,9 +30,7 @@ mod velocity;
 use avian3d::prelude::{NarrowPhaseSystems, PhysicsLengthUnit, PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use tracing::error;
 
 pub use carry::{MorphAvianCarry, MorphAvianGround};
 pub use part::MorphAvianPart;
@@ -40,13 +39,14 @@ pub use step::MorphAvianDiagnostics;
 pub use velocity::MorphAvianVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
-use crate::contacts::MorphCollisions;
+use crate::physics::clock::Timing;
+use crate::physics::engine::{self, Engine};
+use crate::physics::frames::{after_steps, remember_places};
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
-use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
+use crate::physics::schedule::{follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
-use crate::plugins::missing;
 
 /// Makes the mesh of a [`MorphCollider`] an Avian collider: bodies collide with it as it morphs.
 ///
@@ -158,78 +158,34 @@ pub enum MorphAvianSystems {
 
 impl Plugin for MorphAvianPlugin {
     fn build(&self, app: &mut App) {
-        // If Avian is there. Otherwise in `finish`, when all plugins are.
-        if is_there(app) && !schedules_with(app, PhysicsSystems::StepSimulation).is_empty() {
-            self.install(app);
-        }
+        engine::build::<Avian>(app, self.schedule);
     }
 
     fn finish(&self, app: &mut App) {
-        if is_there(app) && !app.world().contains_resource::<Settled>() {
-            self.install(app);
-        }
-        check(app);
+        engine::finish::<Avian>(app, self.schedule);
     }
 }
 
-impl MorphAvianPlugin {
-    fn install(self, app: &mut App) {
-        app.init_resource::<Settled>();
-        let found = schedules_with(app, PhysicsSystems::StepSimulation);
-        let schedule = choose(&found, self.schedule, ["MorphAvianPlugin", "PhysicsPlugins"]);
-        if let Some(schedule) = schedule {
-            build(app, schedule);
-        } else if found.is_empty() {
-            error!(
-                "MorphAvianPlugin does nothing, because no schedule has a system in Avian's `PhysicsSystems::StepSimulation`: name the \
-                 schedule in which you run Avian's `PhysicsSchedule`, for example MorphAvianPlugin::new(FixedUpdate)"
-            );
-        }
+/// The engine.
+pub(crate) struct Avian;
+
+impl Engine for Avian {
+    type Present = PhysicsLengthUnit;
+    const PLUGINS: [&'static str; 2] = ["MorphAvianPlugin", "PhysicsPlugins"];
+    const VALUES: [&'static str; 2] = ["MorphAvianPlugin::default()", "PhysicsPlugins::default()"];
+    const NO_STEP: &'static str = "MorphAvianPlugin does nothing, because no schedule has a system in Avian's `PhysicsSystems::StepSimulation`: name the \
+                 schedule in which you run Avian's `PhysicsSchedule`, for example MorphAvianPlugin::new(FixedUpdate)";
+
+    fn is_there(app: &App) -> bool {
+        app.get_schedule(PhysicsSchedule).is_some()
     }
-}
 
-/// Whether the plugin has found Avian's schedule, or has logged what is missing.
-#[derive(Resource, Default)]
-pub(crate) struct Settled;
-
-/// Whether Avian is in the app.
-fn is_there(app: &App) -> bool {
-    app.get_schedule(PhysicsSchedule).is_some()
-}
-
-fn check(app: &mut App) {
-    if !app.world().contains_resource::<MorphCollisions>() {
-        missing(
-            app,
-            "MorphAvianPlugin does nothing without MorphCollisionPlugin, which builds its trees",
-        );
+    fn schedules(app: &App) -> Vec<InternedScheduleLabel> {
+        schedules_with(app, PhysicsSystems::StepSimulation)
     }
-    if !is_there(app)
-        && missing(
-            app,
-            "MorphAvianPlugin does nothing without PhysicsPlugins: add PhysicsPlugins to the app",
-        )
-    {
-        app.init_resource::<Settled>();
-    }
-    layout::add_to_trees(app);
-}
 
-/// What an app lacks, so that components for Avian have no effect.
-#[derive(SystemParam)]
-pub(crate) struct Lacking<'w> {
-    engine: Option<Res<'w, PhysicsLengthUnit>>,
-    settled: Option<Res<'w, Settled>>,
-}
-
-impl Lacking<'_> {
-    /// The plugin that is missing, and how to add it. `None` if none is, or if the log says so already.
-    pub(crate) fn plugin(&self) -> Option<[&'static str; 2]> {
-        match (&self.settled, &self.engine) {
-            (Some(_), _) => None,
-            (None, Some(_)) => Some(["MorphAvianPlugin", "MorphAvianPlugin::default()"]),
-            (None, None) => Some(["PhysicsPlugins", "PhysicsPlugins::default()"]),
-        }
+    fn build(app: &mut App, schedule: InternedScheduleLabel) {
+        build(app, schedule);
     }
 }
 
@@ -247,7 +203,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .register_type::<MorphAvianGround>()
         .init_resource::<carry::Footing>()
         .init_resource::<MorphAvianDiagnostics>()
-        .insert_resource(step::Stepping::new(is_fixed))
+        .insert_resource(step::Stepping::new(Timing::new(is_fixed)))
         .add_observer(attach::detach_surface)
         .add_observer(put_elsewhere::<attach::AvianSurface>)
         .add_observer(contacts::take_parts_along)
@@ -278,21 +234,16 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         )
         .add_systems(
             schedule,
-            (
-                carry::find_ground
-                    .after(PhysicsSystems::Prepare)
-                    .before(PhysicsSystems::StepSimulation),
-                (carry::carry, frames::rest)
-                    .chain()
-                    .after(PhysicsSystems::StepSimulation)
-                    .before(PhysicsSystems::Writeback),
-            ),
+            frames::rest
+                .after(PhysicsSystems::StepSimulation)
+                .before(PhysicsSystems::Writeback),
         )
         // Avian rejects schedules whose systems have an ambiguous order. A game's own systems may be anywhere.
         .add_systems(
             PhysicsSchedule,
             (
                 (
+                    carry::find_ground,
                     contacts::stop_disabled,
                     movers::find_movers,
                     step::before_step,
@@ -307,19 +258,25 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 contacts::name_surfaces
                     .in_set(MorphAvianSystems::AfterContacts)
                     .ambiguous_with_all(),
-                step::after_step
+                (step::after_step, carry::carry)
+                    .chain()
                     .after(PhysicsStepSystems::Solver)
                     .before(PhysicsStepSystems::Sleeping)
                     .ambiguous_with_all(),
             ),
         );
-    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
-    let at_the_end = frames::record_frame
+    let fixed = |stepping: Res<step::Stepping>| stepping.timing.is_fixed;
+    let remember = remember_places::<attach::AvianSurface>
         .after(AnimationSystems)
         .after(TransformSystems::Propagate)
         .before(MorphCollisionSystems::Anchors);
+    app.add_systems(PostUpdate, remember);
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(remember_places::<attach::AvianSurface>);
     if is_fixed != Some(false) {
         app.add_systems(PostUpdate, at_the_end.run_if(fixed))
-            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
+            .add_systems(FixedLast, after_steps::<attach::AvianSurface>.run_if(fixed));
     }
 }

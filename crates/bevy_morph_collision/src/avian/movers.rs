@@ -9,7 +9,7 @@ use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as Place;
-use parry3d::shape::HalfSpace;
+use parry3d::shape::{HalfSpace, SharedShape};
 use tracing::error;
 
 use super::attach::AvianSurface;
@@ -32,8 +32,8 @@ pub(super) struct Mover {
     /// Whether it needs to know what it touches.
     pub(super) listens: bool,
     pub(super) velocity: Vec3,
-    /// How it moves, if surfaces push it, it is convex, and collision hooks do not decide what it touches.
-    pub(super) flight: Option<Flight>,
+    /// Its shape and how it moves, if surfaces push it and collision hooks do not decide what it touches.
+    pub(super) flight: Option<(SharedShape, Flight)>,
     /// Set if surfaces push it and one of them is solid: the collider as a solid surface sees it.
     pub(super) guest: Option<Guest>,
 }
@@ -120,7 +120,7 @@ pub(super) fn find_movers(
         let shape = collider.shape_scaled();
         let place = |position: &Position, rotation: &Rotation| Place::from_parts(position.0, rotation.0);
         let mut asleep = false;
-        let (mut way, mut velocity, mut turns) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        let (mut way, mut velocity, mut turn, mut radius) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, 0.0);
         let mut stands = place(own_place.0, own_place.1);
         let bounds = match body {
             None => shape.compute_aabb(&stands),
@@ -140,9 +140,10 @@ pub(super) fn find_movers(
                         Vec3::ZERO
                     };
                     way = (linear.0 + falls) * dt;
-                    let radius = now.center().distance(position.0 + rotation.0 * center_of_mass.0);
-                    turns = (angular.0.length() * dt).min(2.0) * (radius + now.half_extents().length());
-                    let turned = Quat::from_scaled_axis(angular.0 * dt) * rotation.0;
+                    turn = angular.0 * dt;
+                    radius =
+                        now.center().distance(position.0 + rotation.0 * center_of_mass.0) + now.half_extents().length();
+                    let turned = Quat::from_scaled_axis(turn) * rotation.0;
                     // It rotates about its centre of mass.
                     let aside = rotation.0 * center_of_mass.0 - turned * center_of_mass.0;
                     let next = Place::from_parts(position.0 + way + aside, turned);
@@ -165,10 +166,15 @@ pub(super) fn find_movers(
             }
             continue;
         }
-        let flight = match pushed && !hooked {
-            true => Flight::of(shape.0.as_ref(), &stands, way.length() + turns),
-            false => None,
-        };
+        let flight = (pushed && !hooked).then(|| {
+            let flight = Flight {
+                place: stands,
+                way,
+                turn,
+                radius,
+            };
+            (shape.clone(), flight)
+        });
         let guest = (any_solid && pushed).then(|| Guest::of(shape.0.as_ref(), &stands, bounds.extents().length()));
         movers.push(Mover {
             visitor: Visitor {

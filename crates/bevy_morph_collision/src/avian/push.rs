@@ -6,6 +6,7 @@ use avian3d::dynamics::joints::joint_graph::JointGraph;
 use avian3d::prelude::{SleepTimer, Sleeping, WakeBody};
 use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
@@ -17,7 +18,7 @@ use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
 use crate::physics::part::Pace;
-use crate::physics::passage::Passage;
+use crate::physics::passage::{Budget, Passage};
 
 /// The parts with which a surface pushes.
 pub(super) struct Pushing {
@@ -126,18 +127,20 @@ impl Pushing {
         }
         for mover in looking {
             let visitor = &mover.visitor;
-            if bodies.manners.hooks.is_none()
-                && let Some(flight) = &mover.flight
-            {
-                self.passage.watch((visitor.collider, visitor.body), flight, following);
-            }
             self.drive_out(mover, following, pace, around);
-            if stays {
-                continue;
+            if !stays {
+                blended += self.near.push(visitor, following, pace, bodies);
             }
-            blended += self.near.push(visitor, following, pace, bodies);
+            if bodies.manners.hooks.is_none()
+                && let Some((shape, flight)) = &mover.flight
+            {
+                let grounds = self.near.grounds(visitor, following, pace);
+                self.passage
+                    .watch((visitor.collider, visitor.body), shape.as_ref(), flight, &grounds);
+            }
             // A slowly carried body is not at rest.
-            if self.near.moves_near(visitor.collider)
+            if !stays
+                && self.near.moves_near(visitor.collider)
                 && !visitor.asleep
                 && let Ok(mut timer) = around.sleep.timers.get_mut(visitor.body)
             {
@@ -155,13 +158,16 @@ impl Pushing {
     }
 
     /// After a step, returns the bodies that have passed through the surface, and how they must be moved back. `end` returns where
-    /// the middle of a collider is now.
+    /// the middle of a collider is now, and `is_blocked` whether something static or kinematic is between two points, besides
+    /// the surface.
     pub(super) fn hold_back(
         &mut self,
         following: &mut Following,
+        budget: &mut Budget,
         end: impl Fn(Entity) -> Option<Vec3>,
-    ) -> Vec<(Entity, Vec3)> {
-        self.passage.hold_back(following, end)
+        is_blocked: impl Fn(Entity, Vec3, Vec3) -> bool,
+    ) -> HashMap<Entity, Vec3> {
+        self.passage.hold_back(following, budget, end, is_blocked)
     }
 
     /// Drives a body out of the surface if the surface is solid and the body is inside.

@@ -10,10 +10,10 @@ use avian3d::prelude::{
     ActiveCollisionHooks, AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform,
     CollidingEntities, CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Friction,
     LinearVelocity, LockedAxes, NarrowPhaseConfig, PhysicsLengthUnit, Position, Restitution, RigidBody,
-    RigidBodyDisabled, Rotation, Sensor, Sleeping, WakeBody,
+    RigidBodyDisabled, Rotation, Sensor, Sleeping, SpatialQuery, SpatialQueryFilter, WakeBody,
 };
 use bevy::ecs::entity::hash_map::EntityHashMap;
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
@@ -30,11 +30,11 @@ use super::shape::WholeSurface;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::collider::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
-use crate::physics::clock::{Lag, StepTime, Watch};
+use crate::physics::clock::{StepTime, Timing};
 use crate::physics::part::Pace;
-use crate::physics::passage::middle;
+use crate::physics::passage::{Budget, middle};
 use crate::physics::schedule::InFixedLoop;
-use crate::skeletons::{BindPoses, Skeletons};
+use crate::physics::sources::Sources;
 
 /// Counts of [`MorphAvianCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +48,11 @@ pub struct MorphAvianDiagnostics {
     pub parts: u32,
     /// Parts whose vertices were blended for the step.
     pub blended: u32,
-    /// Time spent before the step.
+    /// Fast bodies whose way was compared with the motion of triangles, so that they do not pass through.
+    pub compared_bodies: u32,
+    /// Fast bodies that were not compared, because others were already compared with 200,000 triangles. They may pass through.
+    pub limited_bodies: u32,
+    /// Time spent before the step and after the solver.
     pub duration: Duration,
 }
 
@@ -66,30 +70,12 @@ pub(crate) struct Stepping {
     driven: EntityHashMap<Vec3>,
     /// Whether there was a step since physics was last due.
     pub(super) has_stepped: bool,
-    /// Whether physics runs in a fixed schedule.
-    pub(super) is_fixed: bool,
-    /// Whether each step decides that.
-    is_learning: bool,
-    /// In that case, how far physics is behind what is drawn.
-    pub(super) lag: Lag,
-    pub(super) watch: Watch,
+    pub(super) timing: Timing,
 }
 
 impl Stepping {
-    /// `None` if only the first step will show whether physics runs in a fixed schedule.
-    pub(super) fn new(is_fixed: Option<bool>) -> Self {
-        Self {
-            is_fixed: is_fixed.unwrap_or(false),
-            is_learning: is_fixed.is_none(),
-            ..default()
-        }
-    }
-
-    /// Runs before every step.
-    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
-        if self.is_learning {
-            self.is_fixed = inside.0;
-        }
+    pub(super) fn new(timing: Timing) -> Self {
+        Self { timing, ..default() }
     }
 }
 
@@ -149,11 +135,7 @@ pub(super) fn before_step(
     mut parts: Parts,
     mut sleep: Sleep,
     joint_graph: Res<JointGraph>,
-    shared: Query<&MorphWeights>,
-    globals: Query<&GlobalTransform>,
-    bind_poses: Option<Res<BindPoses>>,
-    mut skeletons: Local<Skeletons>,
-    names: Query<NameOrEntity>,
+    mut sources: Sources,
     (config, solver, length_unit): (Res<NarrowPhaseConfig>, Res<SolverConfig>, Res<PhysicsLengthUnit>),
     (time, fixed, inside): (Res<Time>, Option<Res<Time<Fixed>>>, Res<InFixedLoop>),
     mut stepping: ResMut<Stepping>,
@@ -162,11 +144,19 @@ pub(super) fn before_step(
     let start = Instant::now();
     *diagnostics = MorphAvianDiagnostics::default();
     stepping.has_stepped = true;
-    stepping.learn(&inside);
+    stepping.timing.learn(&inside);
     if surfaces.is_empty() {
         return;
     }
     let dt = time.delta_secs();
+    let Sources {
+        shared,
+        globals,
+        bind_poses,
+        skeletons,
+        names,
+    } = &mut sources;
+    let (shared, globals, bind_poses) = (&*shared, &*globals, bind_poses.as_deref());
     let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
     let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
     let Stepping {
@@ -174,13 +164,12 @@ pub(super) fn before_step(
         movers,
         changed,
         driven,
-        is_fixed,
-        lag,
+        timing,
         ..
     } = &mut *stepping;
     let span = fixed
-        .filter(|_| *is_fixed)
-        .and_then(|fixed| lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
+        .filter(|_| timing.is_fixed)
+        .and_then(|fixed| timing.lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
     let time = StepTime { dt, span, share: 1.0 };
     skeletons.begin();
     for (entity, settings, mut surface, collider, knows, mannered, shows, disabled) in &mut surfaces {
@@ -206,11 +195,11 @@ pub(super) fn before_step(
             // Avian determines where the entity is.
             drawn.stands_alone = false;
             drawn.on_body = body.is_some();
-            let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+            let live = drawn.live(global, skin, skeletons, bind_poses, globals);
             drawn.at_step(&live);
             let between_frames = span.and_then(|span| drawn.joints.at(span.end));
             let joints = skin.and_then(|skin| {
-                let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+                let skeleton = skeletons.of(skin, bind_poses, global_of);
                 skeleton.world_from_mesh()
             });
             let joints = match (&between_frames, joints) {
@@ -239,7 +228,7 @@ pub(super) fn before_step(
             let ahead = ahead(global, own, motion, (is_skinned, joints), dt);
             let at = global.translation();
             let name = || name_of(entity);
-            off = !advance(following, (ahead, at), (weights, &shared), time, bad_place, name);
+            off = !advance(following, (ahead, at), (weights, shared), time, bad_place, name);
         }
         if off {
             // Movement of the surface while it is off does not count as motion.
@@ -341,30 +330,56 @@ pub(super) fn drive_out(
     }
 }
 
+/// Bodies that a surface may move back.
+type Movable = (With<RigidBody>, Without<MorphAvianPart>);
+
 /// After the solver, moves bodies back that have passed through a surface. From then on, whole surfaces answer queries again.
 pub(super) fn after_step(
-    mut surfaces: Query<&mut AvianSurface>,
-    colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>)>,
-    mut bodies: Query<(&mut Position, &Rotation, Option<&LockedAxes>), (With<RigidBody>, Without<MorphAvianPart>)>,
+    mut surfaces: Query<(Entity, &mut AvianSurface)>,
+    colliders: Query<(&Collider, &ColliderOf, Option<&ColliderTransform>, &CollisionLayers)>,
+    sensors: Query<(), With<Sensor>>,
+    mut world: ParamSet<(
+        (Query<(&Position, &Rotation, &RigidBody)>, SpatialQuery),
+        Query<(&mut Position, Option<&LockedAxes>), Movable>,
+    )>,
     stepping: Res<Stepping>,
+    mut diagnostics: ResMut<MorphAvianDiagnostics>,
 ) {
-    for mut surface in &mut surfaces {
+    let start = Instant::now();
+    stepping.now.store(false, Ordering::Release);
+    let mut budget = Budget::default();
+    for (entity, mut surface) in &mut surfaces {
         let AvianSurface { following, pushing, .. } = &mut *surface;
+        let (bodies, spatial) = world.p0();
         let end = |entity| {
-            let (collider, of, in_body) = colliders.get(entity).ok()?;
+            let (collider, of, in_body, _) = colliders.get(entity).ok()?;
             let (position, rotation, _) = bodies.get(of.body).ok()?;
             let in_body = in_body.filter(|_| of.body != entity);
             let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
             let place = Place::from_parts(position.0, rotation.0) * in_body;
             Some(place.transform_point(middle(collider.shape_scaled().0.as_ref())?))
         };
-        for (body, shift) in pushing.hold_back(following, end) {
-            if let Ok((mut position, _, locked)) = bodies.get_mut(body) {
+        let is_blocked = |mover, from: Vec3, to: Vec3| {
+            let (Ok((.., layers)), Ok(direction)) = (colliders.get(mover), Dir3::new(to - from)) else {
+                return false;
+            };
+            let sight = SpatialQueryFilter::from_excluded_entities([entity]).with_mask(layers.filters);
+            let kind = |collider| Some(bodies.get(colliders.get(collider).ok()?.1.body).ok()?.2);
+            let is_solid = |other| !sensors.contains(other) && kind(other) != Some(&RigidBody::Dynamic);
+            let hit = spatial.cast_ray_predicate(from, direction, from.distance(to), true, &sight, &is_solid);
+            hit.is_some()
+        };
+        let shifts = pushing.hold_back(following, &mut budget, end, is_blocked);
+        let mut bodies = world.p1();
+        for (body, shift) in shifts {
+            if let Ok((mut position, locked)) = bodies.get_mut(body) {
                 position.0 += free_axes(locked) * shift;
             }
         }
     }
-    stepping.now.store(false, Ordering::Release);
+    diagnostics.compared_bodies = budget.compared;
+    diagnostics.limited_bodies = budget.limited;
+    diagnostics.duration += start.elapsed();
 }
 
 /// 1 for each axis along which a body may move, and 0 for the others.

@@ -58,9 +58,9 @@ pub(super) struct Around<'w, 's> {
     pub(super) trees: Res<'w, MorphTrees>,
     pub(super) settings: Res<'w, MorphCollisionSettings>,
     #[cfg(feature = "rapier")]
-    pub(super) rapier: crate::rapier::Lacking<'w>,
+    pub(super) rapier: crate::physics::engine::Lacking<'w, crate::rapier::Rapier>,
     #[cfg(feature = "avian")]
-    pub(super) avian: crate::avian::Lacking<'w>,
+    pub(super) avian: crate::physics::engine::Lacking<'w, crate::avian::Avian>,
 }
 
 impl Around<'_, '_> {

@@ -3,7 +3,9 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use bevy::time::Time;
+use bevy::time::{Fixed, Time};
+
+use super::schedule::InFixedLoop;
 
 /// The number of remembered frames.
 const FRAMES: usize = 64;
@@ -136,6 +138,43 @@ impl Lag {
     /// A tenth more than usual frames are long.
     fn wanted(&self) -> f64 {
         1.1 * self.frames.usual().unwrap_or(0.0)
+    }
+}
+
+/// When the steps of an engine are, and which moment of the drawn animation they use.
+#[derive(Default)]
+pub(crate) struct Timing {
+    /// Whether physics runs in a fixed schedule.
+    pub(crate) is_fixed: bool,
+    /// Whether each step decides that.
+    is_learning: bool,
+    /// In that case, how far physics is behind what is drawn.
+    pub(crate) lag: Lag,
+    pub(crate) watch: Watch,
+}
+
+impl Timing {
+    /// `None` if only the first step will show whether physics runs in a fixed schedule.
+    pub(crate) fn new(is_fixed: Option<bool>) -> Self {
+        Self {
+            is_fixed: is_fixed.unwrap_or(false),
+            is_learning: is_fixed.is_none(),
+            ..Self::default()
+        }
+    }
+
+    /// Runs before every step.
+    pub(crate) fn learn(&mut self, inside: &InFixedLoop) {
+        if self.is_learning {
+            self.is_fixed = inside.0;
+        }
+    }
+
+    /// Runs at the end of every frame. Returns the time that the step clock will show at this frame.
+    pub(crate) fn frame(&mut self, fixed: &Time<Fixed>) -> f64 {
+        let now = fixed.elapsed_secs_f64() + fixed.overstep().as_secs_f64();
+        self.lag.frame(now);
+        now
     }
 }
 

@@ -35,7 +35,7 @@ pub(crate) struct Drawn {
     pub(crate) stands_alone: bool,
     /// Whether it is on a body, which a physics engine moves after a step.
     pub(crate) on_body: bool,
-    /// Where it was when steps stopped coming, if it is on a body and there has been no step since.
+    /// Where the last step left it, if it is on a body.
     stopped_at: Option<Affine3A>,
     /// The middle of the mesh in its bind pose.
     middle: Vec3,
@@ -132,13 +132,20 @@ impl Drawn {
             self.joints.rest(joints);
         }
         if self.on_body {
-            // The engine moved the body after the last step saw it.
+            // The last step saw it before the engine moved the body.
             if *self.stopped_at.get_or_insert(live.place) != live.place {
                 self.place.pause();
             }
             self.place.step(&live.place);
         } else {
             self.place.rest(&live.place);
+        }
+    }
+
+    /// Says where it is drawn. The first place after a step is where the engine left it.
+    pub(crate) fn stop_at(&mut self, place: Affine3A) {
+        if self.on_body {
+            self.stopped_at.get_or_insert(place);
         }
     }
 

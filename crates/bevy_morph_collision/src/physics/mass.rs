@@ -3,7 +3,7 @@
 //! Engines request the mass of every collider as soon as they get it, but use it only for dynamic bodies. For a large mesh it takes several
 //! milliseconds, so otherwise it is computed over several steps.
 
-use bevy::math::{DMat3, DVec3, Vec3};
+use bevy::math::{DMat3, DVec3};
 use morph_collision::{Pose, WorldFromModel};
 use parry3d::mass_properties::MassProperties;
 
@@ -175,7 +175,7 @@ impl Weighing {
 mod tests {
     use std::sync::Arc;
 
-    use bevy::math::Affine3A;
+    use bevy::math::{Affine3A, Vec3};
     use morph_collision::{BuildOptions, MorphBvh, MorphModel};
 
     use super::*;

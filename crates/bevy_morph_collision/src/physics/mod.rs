@@ -6,6 +6,7 @@
 //! - `mass`: the mass of what a surface encloses, computed over several steps.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, which moment of that a step uses, and what is motion
 //!   (`docs/rapier.md`, "Frames and steps").
+//! - `sources`, `frames`: reads that from components, during steps and at the end of a frame.
 //! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
 //! - `teleport`: surfaces that the game puts somewhere else.
 //! - `begin`: what a surface does at the beginning of a step.
@@ -13,7 +14,7 @@
 //! - `point`: points of a surface and their velocities.
 //! - `sorted_boxes`: finds the moving bodies near a surface.
 //! - `near`, `part`, `motion`: triangles near those bodies, as kinematic bodies for one step.
-//! - `schedule`: where an engine steps.
+//! - `engine`, `schedule`: whether an engine is there, and where it steps.
 //! - `passage`: keeps fast bodies from passing through.
 //! - `scene`: all parts of a scene at once.
 
@@ -21,8 +22,10 @@ pub(crate) mod ahead;
 pub(crate) mod begin;
 pub(crate) mod clock;
 pub(crate) mod drawn;
+pub(crate) mod engine;
 pub(crate) mod expel;
 pub(crate) mod follow;
+pub(crate) mod frames;
 pub(crate) mod inside;
 pub(crate) mod layout;
 mod mass;
@@ -37,6 +40,7 @@ pub(crate) mod range;
 pub(crate) mod scene;
 pub(crate) mod schedule;
 pub(crate) mod sorted_boxes;
+pub(crate) mod sources;
 // Public with Rapier, because a game can ask for the shape of a collider.
 #[cfg_attr(not(feature = "rapier"), allow(unreachable_pub))]
 pub(crate) mod surface;

@@ -10,7 +10,9 @@ use parry3d::math::Real;
 
 use super::follow::Following;
 use super::layout::MeshLayout;
-use super::part::{Bodies, Pace, Part, PartScratch, Purpose};
+use super::motion::between;
+use super::part::{Bodies, Moved, Pace, Part, PartScratch, Purpose};
+use super::passage::Ground;
 
 /// A collider that may move and may touch a surface.
 ///
@@ -80,10 +82,28 @@ impl<B, P: Default> Near<B, P> {
         !self.triangles.is_empty()
     }
 
+    /// The motion of some of its triangles; `None` if they jump.
+    fn sample(&self, following: &mut Following) -> Option<Moved> {
+        let bvh = following.before.pose.bvh().clone();
+        let each = self.triangles.len().div_ceil(SAMPLES);
+        let triangles = self.triangles.iter().step_by(each);
+        let corners = triangles.filter_map(|&triangle| bvh.model().triangle(triangle));
+        let vertices: Vec<u32> = corners.flatten().collect();
+        let [mut now, mut before, mut velocities] = [const { Vec::new() }; 3];
+        following.vertices(&vertices, &mut now);
+        following.before.vertices(&vertices, &mut before);
+        between(&before, &now, following.motion_time(), &mut velocities);
+        let moves = following.is_motion(&vertices, &before, &velocities);
+        moves.then(|| Moved::fitted(&before, &velocities))
+    }
+
     fn is_settled(&self) -> bool {
         self.parts.iter().all(Part::is_settled)
     }
 }
+
+/// The number of triangles that stand for those near a collider without parts.
+const SAMPLES: usize = 4;
 
 /// The maximum number of parts per collider.
 const MAX_CUT: usize = 8;
@@ -277,6 +297,22 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
             self.to_wake.push(visitor.body);
         }
         blended
+    }
+
+    /// How the surface moves near a collider in the coming step: one motion for each of the collider's parts. Call it after
+    /// [`push`](Self::push).
+    pub(crate) fn grounds(&self, visitor: &Visitor<C, B>, following: &mut Following, pace: &Pace) -> Vec<Ground> {
+        let near = self.near.get(&visitor.collider).filter(|_| following.is_in_motion());
+        let Some(near) = near.filter(|near| !near.triangles.is_empty()) else {
+            return vec![Ground::Still];
+        };
+        let center = visitor.bounds.center().as_dvec3();
+        let ground = |moved: Option<Moved>| moved.map_or(Ground::Still, |moved| moved.ground_at(center, pace.dt));
+        if near.parts.is_empty() {
+            // All triangles are in the parts of other colliders.
+            return vec![ground(near.sample(following))];
+        }
+        near.parts.iter().map(|part| ground(part.moved())).collect()
     }
 
     /// Whether the parts near a collider move.

@@ -7,6 +7,7 @@ use parry3d::shape::{Triangle, TrianglePseudoNormals};
 use super::follow::Following;
 use super::layout::{MeshLayout, NONE};
 use super::motion::{RigidMotion, between, fastest, largest};
+use super::passage::Ground;
 use super::triangles::pseudo_normals;
 
 /// The parameters of a step.
@@ -57,8 +58,47 @@ pub(crate) struct Part<P> {
     reshaped: bool,
     /// Whether it is where the surface is now and does not move.
     settled: bool,
-    /// Its motion in the last step, relative to a point, if that was not a jump.
-    moved: Option<(RigidMotion, DVec3)>,
+    /// Its motion in the last step, if that was not a jump.
+    moved: Option<Moved>,
+}
+
+/// How a part moves in a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Moved {
+    motion: RigidMotion,
+    /// The origin of the motion.
+    origin: DVec3,
+    /// How much faster its vertices are than that, at most. Vertices far from the collider count less.
+    error: f64,
+}
+
+impl Moved {
+    /// The motion of points at these positions that have these velocities.
+    pub(crate) fn fitted(points: &[DVec3], velocities: &[DVec3]) -> Self {
+        let origin = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+        let points: Vec<DVec3> = points.iter().map(|point| *point - origin).collect();
+        let weights = vec![1.0; points.len()];
+        let motion = RigidMotion::fitted(&points, velocities, &weights);
+        Self {
+            motion,
+            origin,
+            error: motion.error(&points, velocities, &weights),
+        }
+    }
+
+    /// The velocity of a point.
+    fn at(&self, point: DVec3) -> DVec3 {
+        self.motion.at(point - self.origin)
+    }
+
+    /// What it does to a collider whose middle is at `point`, in `dt` seconds.
+    pub(crate) fn ground_at(&self, point: DVec3, dt: f32) -> Ground {
+        Ground::Moving {
+            way: self.at(point).as_vec3() * dt,
+            turn: self.motion.angular.as_vec3() * dt,
+            error: self.error as f32 * dt,
+        }
+    }
 }
 
 /// The collider for which a part exists.
@@ -92,6 +132,11 @@ impl<P: Default> Part<P> {
             settled: false,
             moved: None,
         }
+    }
+
+    /// How it moves in the step, if it does not jump.
+    pub(crate) fn moved(&self) -> Option<Moved> {
+        self.moved
     }
 
     pub(crate) fn is_settled(&self) -> bool {
@@ -173,7 +218,7 @@ impl<P: Default> Part<P> {
             return false;
         }
         let origin = (start.iter().sum::<DVec3>() / start.len() as f64).as_vec3();
-        let (mut motion, mut speed, mut differs) = (RigidMotion::default(), 0.0, false);
+        let (mut motion, mut speed, mut error) = (RigidMotion::default(), 0.0, 0.0);
         weigh(start, purpose, weights);
         for vertex in start.iter_mut() {
             *vertex -= origin.as_dvec3();
@@ -181,10 +226,14 @@ impl<P: Default> Part<P> {
         if moves {
             speed = fastest(velocities);
             motion = RigidMotion::fitted(start, velocities, weights);
-            differs = motion.error(start, velocities, weights) > 0.02 * speed;
+            error = motion.error(start, velocities, weights);
         }
         self.settled = !following.moves || (moves && speed == 0.0);
-        self.moved = moves.then_some((motion, origin.as_dvec3()));
+        self.moved = moves.then_some(Moved {
+            motion,
+            origin: origin.as_dvec3(),
+            error,
+        });
 
         let start: &[DVec3] = start;
         let outward = following.surface.lock().outward();
@@ -201,7 +250,7 @@ impl<P: Default> Part<P> {
             reshaped: std::mem::take(&mut self.reshaped),
         };
         bodies.put(&mut self.body, &placed, triangles);
-        differs
+        error > 0.02 * speed
     }
 
     /// Computes the velocity of each vertex. Returns whether that is a motion and not a jump.
@@ -219,9 +268,9 @@ impl<P: Default> Part<P> {
             // A step may cover only a small piece of a jump. A part that moves as before has not jumped.
             let slight = 0.1 * limit;
             return fastest(velocities) <= slight
-                || self.moved.is_some_and(|(motion, origin)| {
+                || self.moved.is_some_and(|moved| {
                     let changes = before.iter().zip(&*velocities);
-                    let changes = changes.map(|(vertex, velocity)| velocity.distance(motion.at(vertex - origin)));
+                    let changes = changes.map(|(vertex, velocity)| velocity.distance(moved.at(*vertex)));
                     largest(changes) <= slight
                 })
                 || following.goes_on(&self.vertices);

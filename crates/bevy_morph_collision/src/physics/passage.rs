@@ -5,7 +5,10 @@
 //! middle is compared with the motion of the triangles, exactly: if they met, the body is put back on the side from which it came,
 //! where the surface is now. The engine's next contact stops it there.
 
+use std::hash::Hash;
+
 use bevy::math::{DVec3, Vec3};
+use bevy::platform::collections::HashMap;
 use morph_collision::ShapeQuery;
 use morph_collision::motion::{MovingPoint, vertex_face_impact};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -22,9 +25,44 @@ pub(crate) const FAR: f32 = 0.25;
 /// How precise times of contact are, as a fraction of a step.
 const PRECISION: f64 = 1e-9;
 
+/// The number of triangles with which the bodies of all surfaces are compared in a step. A triangle counts once for each body.
+const MAX_TRIANGLES: usize = 200_000;
+
+/// How much work a step may still do, and what it did. What is over the budget is left to the engine.
+pub(crate) struct Budget {
+    triangles: usize,
+    /// The number of bodies that were compared with triangles.
+    pub(crate) compared: u32,
+    /// The number of bodies that were not compared, because the budget was used up.
+    pub(crate) limited: u32,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self {
+            triangles: MAX_TRIANGLES,
+            compared: 0,
+            limited: 0,
+        }
+    }
+}
+
+impl Budget {
+    /// Takes a body's triangles out of the budget. Returns whether there was enough left.
+    fn take(&mut self, triangles: usize) -> bool {
+        let fits = triangles <= self.triangles;
+        self.triangles = self.triangles.saturating_sub(triangles);
+        self.limited += u32::from(!fits);
+        self.compared += u32::from(fits && triangles > 0);
+        fits
+    }
+}
+
 /// The colliders that may pass through a surface in a step. `C` identifies a collider in the physics engine, and `B` a body.
 pub(crate) struct Passage<C, B> {
     fast: Vec<Fast<C, B>>,
+    /// Positions of vertices at the end and at the start of the step, computed once for all bodies.
+    posed: HashMap<u32, [DVec3; 2]>,
     // Scratch memory.
     query: ShapeQuery,
     triangles: Vec<u32>,
@@ -42,12 +80,15 @@ struct Fast<C, B> {
     start: DVec3,
     /// Half its smallest extent.
     size: f64,
+    /// Whether the surface near it moves, and no part of that jumps.
+    moves: bool,
 }
 
 impl<C, B> Default for Passage<C, B> {
     fn default() -> Self {
         Self {
             fast: Vec::new(),
+            posed: HashMap::default(),
             query: ShapeQuery::default(),
             triangles: Vec::new(),
             vertices: Vec::new(),
@@ -65,119 +106,198 @@ pub(crate) fn middle(shape: &dyn Shape) -> Option<Vec3> {
     Some(shape.compute_local_bounding_sphere().center())
 }
 
-/// A convex collider at the start of a step.
+/// How a collider is expected to move in a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Flight {
-    middle: DVec3,
-    /// Its smallest extent.
-    thin: f32,
-    /// How far any of its points may move in the step.
-    travel: f32,
+    /// The collider's place at the start of the step.
+    pub(crate) place: Place,
+    /// How its body moves.
+    pub(crate) way: Vec3,
+    /// How its body turns, in radians about an axis.
+    pub(crate) turn: Vec3,
+    /// How far its farthest point is from the centre of the turn.
+    pub(crate) radius: f32,
+}
+
+/// How some triangles of a surface move near a collider in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Ground {
+    /// They do not move, or they jump: they are at their new place from the start.
+    Still,
+    /// The translation at the collider, the rotation, and how much farther any of them moves.
+    Moving { way: Vec3, turn: Vec3, error: f32 },
 }
 
 impl Flight {
-    /// `None` if the shape is not convex.
-    pub(crate) fn of(shape: &dyn Shape, place: &Place, travel: f32) -> Option<Self> {
-        Some(Self {
-            middle: place.transform_point(middle(shape)?).as_dvec3(),
-            thin: shape.compute_local_aabb().extents().min_element(),
-            travel,
-        })
+    /// How far its points move at most, relative to a surface.
+    pub(crate) fn relative_to(&self, ground: &Ground) -> f32 {
+        let (way, turn, more) = match *ground {
+            Ground::Still => (self.way, self.turn, 0.0),
+            Ground::Moving { way, turn, error } => (self.way - way, self.turn - turn, error),
+        };
+        way.length() + turn.length().min(2.0) * self.radius + more
     }
 }
 
-impl<C: Copy, B: Copy> Passage<C, B> {
+impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
     /// Begins a step.
     pub(crate) fn begin(&mut self) {
         self.fast.clear();
+        self.posed.clear();
     }
 
-    /// Watches a collider if it or the surface may move farther than contacts can handle.
-    pub(crate) fn watch(&mut self, (collider, body): (C, B), flight: &Flight, following: &Following) {
-        let &Flight { middle, thin, travel } = flight;
-        let comes = if following.is_in_motion() {
-            following.displacement as f32
-        } else {
-            0.0
-        };
-        if travel + comes > FAR * thin {
+    /// Watches a collider if it moves farther, relative to the surface, than contacts can handle. Colliders that are not convex
+    /// are left to the engine.
+    pub(crate) fn watch(&mut self, (collider, body): (C, B), shape: &dyn Shape, flight: &Flight, grounds: &[Ground]) {
+        let travel = grounds
+            .iter()
+            .map(|ground| flight.relative_to(ground))
+            .fold(0.0, f32::max);
+        if travel == 0.0 {
+            return;
+        }
+        let thin = shape.compute_local_aabb().extents().min_element();
+        if travel > FAR * thin
+            && let Some(middle) = middle(shape)
+        {
             self.fast.push(Fast {
                 collider,
                 body,
-                start: middle,
+                start: flight.place.transform_point(middle).as_dvec3(),
                 size: 0.5 * f64::from(thin),
+                moves: grounds.iter().all(|ground| *ground != Ground::Still),
             });
         }
     }
 
     /// Ends a step: returns the bodies that have passed through the surface, or into a solid one, and how they must be moved back.
     ///
-    /// `end` returns where the middle of a collider is after the step.
-    pub(crate) fn hold_back(&mut self, following: &mut Following, end: impl Fn(C) -> Option<Vec3>) -> Vec<(B, Vec3)> {
+    /// `end` returns where the middle of a collider is after the step, and `is_blocked` whether something static or kinematic is
+    /// between two points. A body is not put behind that, such as the floor on which it lies.
+    pub(crate) fn hold_back(
+        &mut self,
+        following: &mut Following,
+        budget: &mut Budget,
+        end: impl Fn(C) -> Option<Vec3>,
+        is_blocked: impl Fn(C, Vec3, Vec3) -> bool,
+    ) -> HashMap<B, Vec3> {
         let mut fast = std::mem::take(&mut self.fast);
-        let shift = |fast: &Fast<C, B>| {
-            let end = end(fast.collider)?.as_dvec3();
-            let target = self.target(following, MovingPoint::new(fast.start, end), fast.size)?;
-            Some((fast.body, (target - end).as_vec3()))
-        };
-        let shifts = fast.iter().filter_map(shift).collect();
-        fast.clear();
+        let mut shifts: HashMap<B, Vec3> = HashMap::default();
+        for fast in fast.drain(..) {
+            let Some(end) = end(fast.collider).map(Vec3::as_dvec3) else {
+                continue;
+            };
+            let is_blocked = |target: DVec3| is_blocked(fast.collider, fast.start.as_vec3(), target.as_vec3());
+            let Some(target) = self.target(following, budget, &fast, end, is_blocked) else {
+                continue;
+            };
+            // A body may have several colliders.
+            let (shift, new) = (shifts.entry(fast.body).or_default(), (target - end).as_vec3());
+            if new.length() > shift.length() {
+                *shift = new;
+            }
+        }
         self.fast = fast;
         shifts
     }
 
-    /// Where a point must be that moved on this way; `None` if it may stay.
-    fn target(&mut self, following: &mut Following, way: MovingPoint, size: f64) -> Option<DVec3> {
-        self.look(following, way);
+    /// Where the middle of a collider must be that is at `end`; `None` if it may stay.
+    fn target(
+        &mut self,
+        following: &mut Following,
+        budget: &mut Budget,
+        fast: &Fast<C, B>,
+        end: DVec3,
+        is_blocked: impl Fn(DVec3) -> bool,
+    ) -> Option<DVec3> {
+        let way = MovingPoint::new(fast.start, end);
+        if !self.look(following, budget, way, fast) {
+            return None;
+        }
         let outward = following.surface.lock().outward().map(f64::from);
         let crossing = self.first_crossing(way, outward)?;
         let [at, normal] = crossing.now;
         // As far from the surface as it is when it touches, unless something else is in the way there.
-        let clearances = [1.0, 0.25, 0.05].map(|share| at + share * size * normal);
-        let is_free = |target: &&DVec3| {
-            let way = MovingPoint::new(way.start, **target);
+        let clearances = [1.0, 0.25, 0.05].map(|share| at + share * fast.size * normal);
+        let mut open = clearances
+            .into_iter()
+            .filter(|target| target.is_finite() && !is_blocked(*target));
+        let is_free = |target: &DVec3| {
+            let way = MovingPoint::new(way.start, *target);
             self.first_crossing(way, outward).is_none()
         };
-        let target = clearances.iter().find(is_free).or(clearances.last());
-        target.copied().filter(|target| target.is_finite())
+        let mut last = None;
+        open.find(|target| {
+            last = Some(*target);
+            is_free(target)
+        })
+        .or(last)
     }
 
-    /// Collects the triangles around the way of a point, with their motion.
-    fn look(&mut self, following: &mut Following, way: MovingPoint) {
+    /// Collects the triangles around the way of a point, with their motion. Returns whether the budget suffices.
+    fn look(&mut self, following: &mut Following, budget: &mut Budget, way: MovingPoint, fast: &Fast<C, B>) -> bool {
         self.triangles.clear();
-        self.vertices.clear();
         self.before.clear();
         self.now.clear();
-        let moves = following.is_in_motion();
-        let reach = if moves { following.displacement as f32 } else { 0.0 };
-        let (min, max) = (way.start.min(way.end).as_vec3(), way.start.max(way.end).as_vec3());
-        let around = Aabb::new(min.map(f32::next_down), max.map(f32::next_up)).loosened(reach.next_up());
         if !way.start.is_finite() || !way.end.is_finite() {
-            return;
+            return false;
         }
-        following.triangles_in(&around, &mut self.query, &mut self.triangles);
+        let reach = if fast.moves { following.displacement } else { 0.0 };
+        let (min, max) = (way.start.min(way.end).as_vec3(), way.start.max(way.end).as_vec3());
+        let around = Aabb::new(min.map(f32::next_down), max.map(f32::next_up));
+        let around = around.loosened(((reach + fast.size) as f32).next_up());
+        if budget.triangles > 0 {
+            following.triangles_in(&around, &mut self.query, &mut self.triangles);
+        }
+        if !budget.take(self.triangles.len().max(usize::from(budget.triangles == 0))) {
+            return false;
+        }
+        self.blend(following);
+        let bvh = following.before.pose.bvh().clone();
+        let corners = self
+            .triangles
+            .iter()
+            .filter_map(|&triangle| bvh.model().triangle(triangle));
+        for [now, before] in corners.flatten().map(|vertex| self.posed[&vertex]) {
+            self.now.push(now);
+            // A jump passes nothing.
+            self.before.push(if fast.moves { before } else { now });
+        }
+        true
+    }
+
+    /// Computes the positions of vertices that no body needed so far.
+    fn blend(&mut self, following: &mut Following) {
+        self.vertices.clear();
         let bvh = following.before.pose.bvh().clone();
         for &triangle in &self.triangles {
+            let corners = bvh.model().triangle(triangle).into_iter().flatten();
             self.vertices
-                .extend(bvh.model().triangle(triangle).into_iter().flatten());
+                .extend(corners.filter(|vertex| !self.posed.contains_key(vertex)));
         }
+        self.vertices.sort_unstable();
+        self.vertices.dedup();
         if self.vertices.is_empty() {
             return;
         }
         following.vertices(&self.vertices, &mut self.now);
-        if moves {
+        if following.is_in_motion() {
             following.before.vertices(&self.vertices, &mut self.before);
             between(&self.before, &self.now, following.motion_time(), &mut self.velocities);
-            if following.is_motion(&self.vertices, &self.before, &self.velocities) {
-                let dt = f64::from(following.last_step());
-                for ((before, now), velocity) in self.before.iter_mut().zip(&self.now).zip(&self.velocities) {
-                    *before = now - dt * velocity;
-                }
-                return;
+            let dt = f64::from(following.last_step());
+            for ((before, now), velocity) in self.before.iter_mut().zip(&self.now).zip(&self.velocities) {
+                *before = now - dt * velocity;
             }
+        } else {
+            self.before.clone_from(&self.now);
         }
-        // A jump passes nothing.
-        self.before.clone_from(&self.now);
+        let places = self.now.drain(..).zip(self.before.drain(..));
+        self.posed.extend(
+            self.vertices
+                .iter()
+                .copied()
+                .zip(places.map(|(now, before)| [now, before])),
+        );
     }
 
     /// Where a moving point first passes through a triangle, or into a solid surface.

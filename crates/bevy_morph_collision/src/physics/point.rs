@@ -58,6 +58,21 @@ impl Following {
         )
     }
 
+    /// The velocity of a point, given by a triangle of the mesh and barycentric coordinates.
+    pub(crate) fn velocity_in(&mut self, triangle: u32, barycentrics: Vec3) -> Option<Vec3> {
+        let point = SurfacePoint {
+            triangle,
+            barycentrics: barycentrics.as_dvec3(),
+        };
+        Some(self.velocity_at(point)?.as_vec3())
+    }
+
+    /// The velocity of the point that is closest to a point in world space.
+    pub(crate) fn velocity_near(&mut self, point: Vec3, query: &mut ShapeQuery) -> Option<Vec3> {
+        let point = self.closest(point, query)?;
+        Some(self.velocity_at(point)?.as_vec3())
+    }
+
     /// The point of the surface that is closest to a point in world space.
     pub(crate) fn closest(&mut self, point: Vec3, query: &mut ShapeQuery) -> Option<SurfacePoint> {
         let mut posed = self.surface.lock();

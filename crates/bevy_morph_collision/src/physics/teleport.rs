@@ -6,7 +6,7 @@ use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
 use super::follow::Following;
-use crate::body::{MorphColliderOf, body_of};
+use crate::body::MorphColliders;
 use crate::continuous::{MorphTeleported, with_descendants};
 
 /// A surface in the physics of one engine.
@@ -19,13 +19,16 @@ pub(crate) trait PhysicsSurface: Component<Mutability = Mutable> {
 /// the steps of physics.
 pub(crate) fn put_elsewhere<S: PhysicsSurface>(
     marked: On<Insert<MorphTeleported>>,
-    mut surfaces: Query<(Entity, &mut S, Option<&MorphColliderOf>), Allow<Disabled>>,
+    mut surfaces: Query<&mut S, Allow<Disabled>>,
+    bodies: Query<&MorphColliders, Allow<Disabled>>,
     children: Query<&'static Children>,
 ) {
-    let elsewhere = with_descendants(marked.entity, &children);
-    for (entity, mut surface, of) in &mut surfaces {
-        if elsewhere.contains(&entity) || elsewhere.contains(&body_of(entity, of)) {
-            surface.following().drawn.put();
+    for entity in with_descendants(marked.entity, &children) {
+        let colliders = bodies.get(entity).into_iter().flat_map(RelationshipTarget::iter);
+        for surface in std::iter::once(entity).chain(colliders) {
+            if let Ok(mut surface) = surfaces.get_mut(surface) {
+                surface.following().drawn.put();
+            }
         }
     }
 }

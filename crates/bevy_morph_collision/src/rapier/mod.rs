@@ -45,15 +45,12 @@ mod world;
 
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
-use bevy::ecs::system::SystemParam;
 use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy::transform::systems::mark_dirty_trees;
 use bevy_rapier3d::control::KinematicCharacterController;
 use bevy_rapier3d::plugin::systems::update_character_controls;
 use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization, RapierTransformPropagateSet};
-
-use tracing::error;
 
 pub use crate::physics::surface::MorphSurface;
 pub use carry::{MorphCharacterCarry, MorphCharacterGround};
@@ -63,13 +60,14 @@ pub use step::MorphRapierDiagnostics;
 pub use velocity::MorphRapierVelocity;
 
 use crate::collider::{MorphCollider, MorphCollisionMode};
-use crate::contacts::MorphCollisions;
+use crate::physics::clock::Timing;
+use crate::physics::engine::{self, Engine};
+use crate::physics::frames::{after_steps, remember_places};
 use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
-use crate::physics::schedule::{choose, follow_fixed_loop, runs_fixed, schedules_with};
+use crate::physics::schedule::{follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
 use crate::plugin::MorphCollisionSystems;
-use crate::plugins::missing;
 
 /// Makes the mesh of a [`MorphCollider`] a Rapier collider: bodies collide with it as it morphs.
 ///
@@ -169,7 +167,8 @@ impl MorphRapierPlugin {
     }
 }
 
-/// The system sets of the plugin, around Rapier's step.
+/// The system sets of the plugin, around Rapier's step. If your game runs Rapier's `PhysicsSet::StepSimulation` only under a condition,
+/// give `BeforeStep` and `AfterStep` the same condition.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphRapierSystems {
     /// Gives colliders their surfaces, before Rapier reads its components.
@@ -182,78 +181,37 @@ pub enum MorphRapierSystems {
 
 impl Plugin for MorphRapierPlugin {
     fn build(&self, app: &mut App) {
-        // If Rapier is there. Otherwise in `finish`, when all plugins are.
-        if is_there(app) && !schedules_with(app, PhysicsSet::StepSimulation).is_empty() {
-            self.install(app);
-        }
+        engine::build::<Rapier>(app, self.schedule);
     }
 
     fn finish(&self, app: &mut App) {
-        if is_there(app) && !app.world().contains_resource::<Settled>() {
-            self.install(app);
-        }
-        check(app);
+        engine::finish::<Rapier>(app, self.schedule);
     }
 }
 
-impl MorphRapierPlugin {
-    fn install(self, app: &mut App) {
-        app.init_resource::<Settled>();
-        let found = schedules_with(app, PhysicsSet::StepSimulation);
-        let schedule = choose(&found, self.schedule, ["MorphRapierPlugin", "RapierPhysicsPlugin"]);
-        if let Some(schedule) = schedule {
-            build(app, schedule);
-        } else if found.is_empty() {
-            error!(
-                "MorphRapierPlugin does nothing, because no schedule has a system in Rapier's `PhysicsSet::StepSimulation`: name the \
-                 schedule to which you will add it, for example MorphRapierPlugin::new(FixedUpdate)"
-            );
-        }
+/// The engine.
+pub(crate) struct Rapier;
+
+impl Engine for Rapier {
+    type Present = RapierContextInitialization;
+    const PLUGINS: [&'static str; 2] = ["MorphRapierPlugin", "RapierPhysicsPlugin"];
+    const VALUES: [&'static str; 2] = [
+        "MorphRapierPlugin::default()",
+        "RapierPhysicsPlugin::<NoUserData>::default()",
+    ];
+    const NO_STEP: &'static str = "MorphRapierPlugin does nothing, because no schedule has a system in Rapier's `PhysicsSet::StepSimulation`: name the \
+                 schedule to which you will add it, for example MorphRapierPlugin::new(FixedUpdate)";
+
+    fn is_there(app: &App) -> bool {
+        app.world().contains_resource::<RapierContextInitialization>()
     }
-}
 
-/// Whether the plugin has found Rapier's schedule, or has logged what is missing.
-#[derive(Resource, Default)]
-pub(crate) struct Settled;
-
-/// Whether Rapier is in the app.
-fn is_there(app: &App) -> bool {
-    app.world().contains_resource::<RapierContextInitialization>()
-}
-
-fn check(app: &mut App) {
-    if !app.world().contains_resource::<MorphCollisions>() {
-        missing(
-            app,
-            "MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees",
-        );
+    fn schedules(app: &App) -> Vec<InternedScheduleLabel> {
+        schedules_with(app, PhysicsSet::StepSimulation)
     }
-    if !is_there(app)
-        && missing(
-            app,
-            "MorphRapierPlugin does nothing without RapierPhysicsPlugin: add RapierPhysicsPlugin to the app",
-        )
-    {
-        app.init_resource::<Settled>();
-    }
-    layout::add_to_trees(app);
-}
 
-/// What an app lacks, so that components for Rapier have no effect.
-#[derive(SystemParam)]
-pub(crate) struct Lacking<'w> {
-    engine: Option<Res<'w, RapierContextInitialization>>,
-    settled: Option<Res<'w, Settled>>,
-}
-
-impl Lacking<'_> {
-    /// The plugin that is missing, and how to add it. `None` if none is, or if the log says so already.
-    pub(crate) fn plugin(&self) -> Option<[&'static str; 2]> {
-        match (&self.settled, &self.engine) {
-            (Some(_), _) => None,
-            (None, Some(_)) => Some(["MorphRapierPlugin", "MorphRapierPlugin::default()"]),
-            (None, None) => Some(["RapierPhysicsPlugin", "RapierPhysicsPlugin::<NoUserData>::default()"]),
-        }
+    fn build(app: &mut App, schedule: InternedScheduleLabel) {
+        build(app, schedule);
     }
 }
 
@@ -269,7 +227,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .register_type::<MorphCharacterCarry>()
         .register_type::<MorphCharacterGround>()
         .init_resource::<MorphRapierDiagnostics>()
-        .insert_resource(step::Stepping::new(is_fixed))
+        .insert_resource(step::Stepping::new(Timing::new(is_fixed)))
         .init_resource::<footing::Footing>()
         .add_observer(step::teach_context)
         .add_observer(attach::detach_surface)
@@ -301,6 +259,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 (attach::stop_absent, step::before_step)
                     .chain()
                     .in_set(MorphRapierSystems::BeforeStep),
+                step::note_step.in_set(PhysicsSet::StepSimulation),
                 step::after_step.in_set(MorphRapierSystems::AfterStep),
                 footing::before_controllers
                     .in_set(PhysicsSet::SyncBackend)
@@ -313,23 +272,29 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 // Rapier places hierarchies before its step, but only those that were marked. Otherwise, the first change of a joint, or
                 // of a body with children, would reach the step a frame late, if at all.
                 mark_dirty_trees
+                    .run_if(any_with_component::<attach::RapierSurface>)
                     .in_set(PhysicsSet::SyncBackend)
                     .after(carry::carry)
                     .before(RapierTransformPropagateSet),
             ),
         );
-    let fixed = |stepping: Res<step::Stepping>| stepping.is_fixed;
-    let at_the_end = frames::record_frame
+    let fixed = |stepping: Res<step::Stepping>| stepping.timing.is_fixed;
+    let remember = remember_places::<attach::RapierSurface>
         .after(AnimationSystems)
         .after(TransformSystems::Propagate)
         .before(MorphCollisionSystems::Anchors);
+    app.add_systems(PostUpdate, remember);
+    let at_the_end = frames::record_frame
+        .after(AnimationSystems)
+        .after(TransformSystems::Propagate)
+        .before(remember_places::<attach::RapierSurface>);
     let before_steps = frames::record_frame
         .in_set(MorphRapierSystems::BeforeStep)
         .after(attach::stop_absent)
         .before(step::before_step);
     if is_fixed != Some(false) {
         app.add_systems(PostUpdate, at_the_end.run_if(fixed))
-            .add_systems(FixedLast, frames::after_steps.run_if(fixed));
+            .add_systems(FixedLast, after_steps::<attach::RapierSurface>.run_if(fixed));
     }
     if is_fixed != Some(true) {
         app.add_systems(schedule, before_steps.run_if(not(fixed)));

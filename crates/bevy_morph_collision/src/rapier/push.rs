@@ -5,11 +5,13 @@ use std::sync::Arc;
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use bevy_rapier3d::parry::query::Ray;
 use bevy_rapier3d::parry::shape::Shape;
+use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::ContactForceEvent;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
-use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
-use bevy_rapier3d::rapier::pipeline::ActiveEvents;
+use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet};
+use bevy_rapier3d::rapier::pipeline::{ActiveEvents, QueryFilter};
 
 use super::expel::{drive_apart, drive_out};
 use super::forces::{Forces, Stepped};
@@ -21,7 +23,7 @@ use crate::physics::expel::Expelling;
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
-use crate::physics::passage::{Passage, middle};
+use crate::physics::passage::{Budget, Passage, middle};
 use crate::physics::surface::MorphSurface;
 use crate::physics::triangles::Patch;
 
@@ -158,13 +160,6 @@ impl Pushing {
         }
         for (mover, touches) in looking {
             let visitor = &mover.visitor;
-            if !self.linked
-                && !manners.is_hooked()
-                && let Some(flight) = &mover.flight
-                && solves(visitor.collider, &manners, world)
-            {
-                self.passage.watch((visitor.collider, visitor.body), flight, following);
-            }
             let is_inside = is_solid && drive_out(&mut self.expelling, mover, following, &manners, step, world);
             if touches && mover.ahead > 0.0 {
                 self.fast.push((visitor.bounds, mover.ahead));
@@ -179,17 +174,29 @@ impl Pushing {
                 body.enable_ccd(!is_inside);
                 self.bullets.push((visitor.body, mover.bullet));
             }
-            if stays {
-                continue;
+            if !stays {
+                let mut bodies = PartBodies {
+                    entity: self.entity,
+                    manners,
+                    stepping: step.stepping,
+                    carrier: carrier.as_deref_mut(),
+                    world: &mut *world,
+                };
+                blended += self.near.push(visitor, following, &step.pace, &mut bodies);
             }
-            let mut bodies = PartBodies {
-                entity: self.entity,
-                manners,
-                stepping: step.stepping,
-                carrier: carrier.as_deref_mut(),
-                world: &mut *world,
-            };
-            blended += self.near.push(visitor, following, &step.pace, &mut bodies);
+            // After several steps, nobody knows which way a body went.
+            if step.once
+                && !self.linked
+                && !manners.is_hooked()
+                && let Some(flight) = &mover.flight
+                && let Some(collider) = world.colliders.get(visitor.collider)
+                // Whether the solver pushes it away from the surface.
+                && collider.solver_groups().test(manners.solver_groups)
+            {
+                let grounds = self.near.grounds(visitor, following, &step.pace);
+                let who = (visitor.collider, visitor.body);
+                self.passage.watch(who, collider.shape(), flight, &grounds);
+            }
         }
         self.near.forget(|part| world.remove(part.body));
         self.look_ahead(world);
@@ -299,8 +306,8 @@ impl Pushing {
     pub(super) fn hold_back(
         &mut self,
         following: &mut Following,
-        bodies: &mut RigidBodySet,
-        colliders: &mut ColliderSet,
+        (simulation, bodies, colliders): (&RapierContextSimulation, &mut RigidBodySet, &mut ColliderSet),
+        budget: &mut Budget,
     ) {
         let end = |collider: ColliderHandle| {
             let collider = colliders.get(collider)?;
@@ -308,8 +315,22 @@ impl Pushing {
             let in_body = collider.position_wrt_parent().copied().unwrap_or_default();
             Some((*body.position() * in_body).transform_point(middle(collider.shape())?))
         };
-        let shifts = self.passage.hold_back(following, end);
-        for &(body, shift) in &shifts {
+        let surface = self.name();
+        let is_blocked = |mover: ColliderHandle, from: Vec3, to: Vec3| {
+            let Some(mover) = colliders.get(mover) else { return true };
+            let is_other = |_: ColliderHandle, other: &Collider| !other.is_sensor() && other.user_data != surface;
+            let filter = QueryFilter::exclude_dynamic();
+            let filter = filter.groups(mover.collision_groups()).predicate(&is_other);
+            let pipeline = simulation.broad_phase.as_query_pipeline(
+                simulation.narrow_phase.query_dispatcher(),
+                bodies,
+                colliders,
+                filter,
+            );
+            pipeline.cast_ray(&Ray::new(from, to - from), 1.0, true).is_some()
+        };
+        let shifts = self.passage.hold_back(following, budget, end, is_blocked);
+        for (&body, &shift) in &shifts {
             if let Some(body) = bodies.get_mut(body).filter(|body| body.is_dynamic()) {
                 let locked = body.locked_axes().bits();
                 let free = Vec3::from_array([0, 1, 2].map(|axis| if locked >> axis & 1 == 0 { 1.0 } else { 0.0 }));
@@ -358,10 +379,4 @@ impl Pushing {
             }
         }
     }
-}
-
-/// Whether the solver pushes a collider away from a surface.
-fn solves(collider: ColliderHandle, manners: &Manners, world: &World) -> bool {
-    let collider = world.colliders.get(collider);
-    collider.is_some_and(|collider| collider.solver_groups().test(manners.solver_groups))
 }

@@ -1,8 +1,7 @@
 //! What a surface does before a step, one stage after another: it follows its mesh, takes its role in physics, shows itself to
 //! Rapier, and pushes.
 
-use bevy::ecs::system::SystemParam;
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::SolverGroups;
@@ -18,43 +17,9 @@ use super::world::{Manners, Step, World, no_push};
 use crate::physics::ahead::{is_rigid, rigid_place};
 use crate::physics::begin::{advance, set_sides};
 use crate::physics::clock::StepTime;
-use crate::physics::drawn::Live;
 use crate::physics::follow::Following;
 use crate::physics::range::MAX_COORDINATE;
-use crate::skeletons::{BindPoses, Skeletons};
-
-/// Where the weights, joints and names of surfaces come from.
-#[derive(SystemParam)]
-pub(super) struct Sources<'w, 's> {
-    shared: Query<'w, 's, &'static MorphWeights>,
-    globals: Query<'w, 's, &'static GlobalTransform>,
-    bind_poses: Option<Res<'w, BindPoses>>,
-    pub(super) skeletons: Local<'s, Skeletons>,
-    names: Query<'w, 's, NameOrEntity>,
-}
-
-impl Sources<'_, '_> {
-    fn live(&mut self, following: &Following, place: &GlobalTransform, skin: Option<&SkinnedMesh>) -> Live {
-        let skin = skin.filter(|_| following.is_skinned());
-        let bind_poses = self.bind_poses.as_deref();
-        let drawn = &following.drawn;
-        drawn.live(place, skin, &mut self.skeletons, bind_poses, &self.globals)
-    }
-
-    /// Lets a surface notice what changes while no steps come.
-    pub(super) fn rest(
-        &mut self,
-        following: &mut Following,
-        (place, weights, skin): (&GlobalTransform, Option<&MeshMorphWeights>, Option<&SkinnedMesh>),
-    ) {
-        let live = self.live(following, place, skin);
-        following.rest(&live, (weights, &self.shared));
-    }
-
-    fn name(&self, entity: Entity) -> String {
-        self.names.get(entity).map(|name| name.to_string()).unwrap_or_default()
-    }
-}
+use crate::physics::sources::Sources;
 
 /// Logs that no surface pushes the collider with this user data.
 pub(super) fn tell_too_large(collider: u128, sources: &Sources) {

@@ -21,15 +21,17 @@ use super::attach::RapierSurface;
 use super::forces::Stepped;
 use super::link::Links;
 use super::obstacles::Obstacles;
-use super::stages::{Role, Sources, drive, follow, push, show, tell_too_large};
-use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead};
+use super::stages::{Role, drive, follow, push, show, tell_too_large};
+use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead, whole_steps};
 use super::touches::tell_whole;
 use super::world::{Audience, Movers, Step, World};
 use crate::collider::MorphColliderDisabled;
-use crate::physics::clock::{Lag, StepTime, Watch};
+use crate::physics::clock::{StepTime, Timing};
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;
+use crate::physics::passage::Budget;
 use crate::physics::schedule::InFixedLoop;
+use crate::physics::sources::Sources;
 
 /// Counts of [`MorphRapierCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,6 +46,10 @@ pub struct MorphRapierDiagnostics {
     pub parts: u32,
     /// Parts whose vertices were blended for the step.
     pub blended: u32,
+    /// Fast bodies whose way was compared with the motion of triangles, so that they do not pass through.
+    pub compared_bodies: u32,
+    /// Fast bodies that were not compared, because others were already compared with 200,000 triangles. They may pass through.
+    pub limited_bodies: u32,
     /// Time spent before and after the step.
     pub duration: Duration,
 }
@@ -58,30 +64,14 @@ pub(crate) struct Stepping {
     links: HashMap<Entity, Links>,
     /// The colliders of bodies that were too large in the last step. They have been logged.
     too_large: HashSet<u128>,
-    /// Whether physics runs in a fixed schedule.
-    pub(super) is_fixed: bool,
-    /// Whether each step decides that.
-    is_learning: bool,
-    /// In that case, how far physics is behind what is drawn.
-    pub(super) lag: Lag,
-    watch: Watch,
+    /// Whether Rapier has stepped since surfaces were prepared.
+    has_stepped: bool,
+    pub(super) timing: Timing,
 }
 
 impl Stepping {
-    /// `None` if only the first step will show whether physics runs in a fixed schedule.
-    pub(super) fn new(is_fixed: Option<bool>) -> Self {
-        Self {
-            is_fixed: is_fixed.unwrap_or(false),
-            is_learning: is_fixed.is_none(),
-            ..default()
-        }
-    }
-
-    /// Runs before every step.
-    pub(super) fn learn(&mut self, inside: &InFixedLoop) {
-        if self.is_learning {
-            self.is_fixed = inside.0;
-        }
+    pub(super) fn new(timing: Timing) -> Self {
+        Self { timing, ..default() }
     }
 }
 
@@ -137,7 +127,7 @@ pub(super) fn before_step(
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
 ) {
     let start = Instant::now();
-    stepping.learn(&inside);
+    stepping.timing.learn(&inside);
     *diagnostics = MorphRapierDiagnostics::default();
     if surfaces.is_empty() {
         return;
@@ -147,25 +137,39 @@ pub(super) fn before_step(
         movers,
         links,
         too_large,
-        is_fixed,
-        lag,
-        watch,
+        timing,
+        has_stepped: stepped,
         ..
     } = &mut *stepping;
-    if watch.was_set(&time) {
+    *stepped = false;
+    if timing.watch.was_set(&time) {
         for (_, _, mut surface, ..) in &mut surfaces {
             surface.following.drawn.pause();
         }
     }
     let mut share = None;
-    let fixed_span = is_fixed.then(|| lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
+    let fixed_span = timing
+        .is_fixed
+        .then(|| timing.lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
+    let is_waiting = |configuration: &RapierConfiguration, dt: f32| {
+        configuration.physics_pipeline_active && dt <= 0.0 && is_between_steps(&mode, &time)
+    };
+    let ahead = |behind: &SimulationToRenderTime| time_ahead(&mode, &time, behind.diff).0;
+    if contexts
+        .iter()
+        .any(|(.., configuration, behind)| is_waiting(configuration, ahead(behind)))
+    {
+        // Nobody asks for the skeletons of its surfaces, but they must stay.
+        sources.skeletons.outdate();
+    } else {
+        sources.skeletons.begin();
+    }
     let (mut refused, mut has_stepped) = (HashSet::default(), false);
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
         let (dt, interpolated) = time_ahead(&mode, &time, behind.diff);
         let span = fixed_span.unwrap_or(interpolated);
         if !configuration.physics_pipeline_active || dt <= 0.0 {
-            if !configuration.physics_pipeline_active || !is_between_steps(&mode, &time) {
-                sources.skeletons.outdate();
+            if !is_waiting(configuration, dt) {
                 let surfaces = surfaces.iter_mut().filter(|surface| surface.2.context == Some(context));
                 for (_, _, mut surface, _, _, shows, ..) in surfaces {
                     sources.rest(&mut surface.following, shows);
@@ -176,14 +180,10 @@ pub(super) fn before_step(
         let share = match span {
             Some(_) => 1.0,
             // The same for all contexts.
-            None => *share.get_or_insert_with(|| watch.share(stride(&mode, &time, dt))),
+            None => *share.get_or_insert_with(|| timing.watch.share(stride(&mode, &time, dt))),
         };
         let time = StepTime { dt, span, share };
         now.store(true, Ordering::Release);
-        if !has_stepped {
-            // Not in frames without a step: a pause would drop the skeletons.
-            sources.skeletons.begin();
-        }
         has_stepped = true;
         let parameters = simulation.integration_parameters;
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
@@ -232,6 +232,7 @@ pub(super) fn before_step(
                 movers,
                 obstacles: obstacles.as_ref(),
                 audience: &audience,
+                once: whole_steps(&mode, dt) <= 1,
                 body: role.body,
                 stepping: now,
             };
@@ -248,6 +249,11 @@ pub(super) fn before_step(
         *too_large = refused;
     }
     diagnostics.duration = start.elapsed();
+}
+
+/// Runs with Rapier's step, if the game lets it run.
+pub(super) fn note_step(mut stepping: ResMut<Stepping>) {
+    stepping.has_stepped = true;
 }
 
 /// Parts exist only during steps.
@@ -275,7 +281,7 @@ pub(super) fn after_step(
         false
     });
     stepping.now.store(false, Ordering::Release);
-    let mut repeating = HashMap::default();
+    let (mut repeating, mut budget) = (HashMap::default(), Budget::default());
     for (entity, mut surface) in &mut surfaces {
         let surface = &mut *surface;
         let Some(context) = surface.context else { continue };
@@ -291,7 +297,10 @@ pub(super) fn after_step(
             if pushing.repeats {
                 repeating.insert(entity, context);
             }
-            pushing.hold_back(following, &mut bodies.bodies, &mut colliders.colliders);
+            let world = (simulation, &mut bodies.bodies, &mut colliders.colliders);
+            if stepping.has_stepped {
+                pushing.hold_back(following, world, &mut budget);
+            }
             pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
         }
     }
@@ -299,6 +308,8 @@ pub(super) fn after_step(
         let (simulation, _, colliders, _) = contexts.get(context).ok()?;
         Some((&simulation.narrow_phase, colliders))
     });
+    diagnostics.compared_bodies = budget.compared;
+    diagnostics.limited_bodies = budget.limited;
     diagnostics.duration += start.elapsed();
 }
 

@@ -70,15 +70,20 @@ pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
     dt * scale / substeps.max(1) as f32
 }
 
+/// How many steps Rapier does in `dt` seconds.
+pub(super) fn whole_steps(mode: &TimestepMode, dt: f32) -> u32 {
+    match *mode {
+        TimestepMode::Interpolated {
+            dt: one, time_scale, ..
+        } => (dt / (one * time_scale)).round() as u32,
+        _ => 1,
+    }
+}
+
 /// Whether Rapier does a single step without substeps in `dt` seconds.
 pub(super) fn is_one_step(mode: &TimestepMode, dt: f32) -> bool {
-    let (one, substeps) = match *mode {
-        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (dt, substeps),
-        TimestepMode::Interpolated {
-            dt,
-            time_scale,
-            substeps,
-        } => (dt * time_scale, substeps),
-    };
-    substeps <= 1 && dt <= one
+    let (TimestepMode::Fixed { substeps, .. }
+    | TimestepMode::Variable { substeps, .. }
+    | TimestepMode::Interpolated { substeps, .. }) = *mode;
+    substeps <= 1 && whole_steps(mode, dt) <= 1
 }

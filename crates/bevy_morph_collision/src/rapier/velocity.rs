@@ -10,7 +10,6 @@ use morph_collision::ShapeQuery;
 use super::MorphRapierCollider;
 use super::attach::RapierSurface;
 use crate::physics::follow::Following;
-use crate::physics::point::SurfacePoint;
 
 /// Reads how fast surfaces with a [`MorphRapierCollider`] move, which is the velocity at which they carry bodies.
 ///
@@ -62,12 +61,8 @@ impl MorphRapierVelocity<'_, '_> {
     /// [`MorphRapierCollider::max_acceleration`]). Costs nine vertices.
     #[must_use]
     pub fn velocity_at(&mut self, surface: Entity, triangle: u32, barycentrics: Vec3) -> Option<Vec3> {
-        let point = SurfacePoint {
-            triangle,
-            barycentrics: barycentrics.as_dvec3(),
-        };
         let (following, _) = self.following(surface)?;
-        Some(following.velocity_at(point)?.as_vec3())
+        following.velocity_in(triangle, barycentrics)
     }
 
     /// The velocity of a surface at its point closest to `point`, which is in world space. `None` in the cases of
@@ -75,8 +70,7 @@ impl MorphRapierVelocity<'_, '_> {
     #[must_use]
     pub fn surface_velocity(&mut self, surface: Entity, point: Vec3) -> Option<Vec3> {
         let (following, query) = self.following(surface)?;
-        let point = following.closest(point, query)?;
-        Some(following.velocity_at(point)?.as_vec3())
+        following.velocity_near(point, query)
     }
 
     fn following(&mut self, surface: Entity) -> Option<(&mut Following, &mut ShapeQuery)> {

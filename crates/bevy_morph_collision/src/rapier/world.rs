@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use bevy::math::Vec3;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::parry::math::Pose as Place;
 use bevy_rapier3d::parry::shape::HalfSpace;
@@ -19,7 +20,7 @@ use super::obstacles::Obstacles;
 use super::sweep::MARGIN;
 use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
-use crate::physics::passage::{FAR, Flight};
+use crate::physics::passage::{FAR, Flight, Ground};
 use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
 use crate::physics::triangles::Patch;
@@ -60,6 +61,8 @@ pub(super) struct Step<'a> {
     pub(super) obstacles: Option<&'a Obstacles>,
     /// Everything besides movers that needs contacts of surfaces.
     pub(super) audience: &'a Audience,
+    /// Whether Rapier does a single step, perhaps with substeps.
+    pub(super) once: bool,
     /// The body on which the surface is.
     pub(super) body: Option<RigidBodyHandle>,
     /// Set while a step is in progress.
@@ -132,7 +135,7 @@ pub(super) struct Mover {
     pub(super) ahead: f32,
     /// Whether it moves so far in the step that it must be swept.
     pub(super) fast: bool,
-    /// How it moves, if it is convex and contact hooks do not decide what it touches.
+    /// How it moves, if contact hooks do not decide what it touches.
     pub(super) flight: Option<Flight>,
     /// Whether the game made it a bullet.
     pub(super) bullet: bool,
@@ -175,14 +178,15 @@ impl Movers {
     }
 }
 
-/// How far a body moves in a step that takes it to `next`, and how far any point of its collider moves, at most. `bounds` is around
-/// the collider.
-fn travel(body: &RigidBody, next: &Place, bounds: &Aabb, dt: f32) -> (f32, f32) {
+/// How a collider of a body moves in a step that takes the body to `next`. `bounds` is around the collider.
+fn flight(body: &RigidBody, next: &Place, in_body: &Place, bounds: &Aabb, dt: f32) -> Flight {
     let center = body.center_of_mass();
-    let radius = bounds.center().distance(center) + bounds.half_extents().length();
-    let turns = (body.angvel().length() * dt).min(2.0) * radius;
-    let moves = next.transform_point(body.local_center_of_mass()).distance(center);
-    (moves, moves + turns)
+    Flight {
+        place: *body.position() * *in_body,
+        way: next.transform_point(body.local_center_of_mass()) - center,
+        turn: body.angvel() * dt,
+        radius: bounds.center().distance(center) + bounds.half_extents().length(),
+    }
 }
 
 fn find_movers(
@@ -208,11 +212,11 @@ fn find_movers(
             // If the game moved the body, its colliders follow only in the step.
             let mut bounds = shape.shape().compute_aabb(&(*body.position() * in_body));
             let thin = bounds.extents().min_element();
-            let (way, travel) = if asleep {
-                (0.0, 0.0)
-            } else {
-                travel(body, &next, &bounds, dt)
-            };
+            let mut flight = flight(body, &next, &in_body, &bounds, dt);
+            if asleep {
+                flight.way = Vec3::ZERO;
+                flight.turn = Vec3::ZERO;
+            }
             if !asleep {
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
             }
@@ -231,16 +235,13 @@ fn find_movers(
                     asleep,
                 },
                 // Not less if it moves less far: then boxes would grow in small steps, and each change costs.
-                ahead: if travel > FAR * thin {
+                ahead: if flight.relative_to(&Ground::Still) > FAR * thin {
                     MARGIN * shape.shape().ccd_thickness()
                 } else {
                     0.0
                 },
-                fast: way > FAR * thin,
-                flight: match shape.active_hooks().is_empty() {
-                    true => Flight::of(shape.shape(), &(*body.position() * in_body), travel),
-                    false => None,
-                },
+                fast: flight.way.length() > FAR * thin,
+                flight: shape.active_hooks().is_empty().then_some(flight),
                 bullet: body.is_ccd_enabled(),
                 groups: shape.collision_groups(),
                 events: shape.active_events(),

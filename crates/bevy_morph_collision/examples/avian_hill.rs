@@ -22,7 +22,6 @@ pub(crate) const EDGE: f32 = 0.3;
 
 fn main() {
     App::new()
-        // Add Avian before the plugins that build on it.
         .add_plugins((DefaultPlugins, PhysicsPlugins::default()))
         .add_plugins((MorphPlugins::default(), game))
         .run();

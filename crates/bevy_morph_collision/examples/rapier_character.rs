@@ -21,7 +21,6 @@ pub(crate) const RADIUS: f32 = 0.08;
 
 fn main() {
     App::new()
-        // Add Rapier before the plugins that build on it.
         .add_plugins((DefaultPlugins, RapierPhysicsPlugin::<NoUserData>::default()))
         .add_plugins((MorphPlugins::default(), game))
         .run();

@@ -52,11 +52,15 @@ impl SpawnedScenes<'_, '_> {
                 continue;
             };
             let state = self.state_of(root, names);
-            match (states.get(&scene), &state) {
-                (None, _) | (_, SceneState::Pending) | (Some(SceneState::Spawned), _) => {
-                    _ = states.insert(scene, state)
-                }
-                _ => {}
+            // Pending counts more than failed, and failed more than spawned.
+            let counts_more = match states.get(&scene) {
+                None => true,
+                Some(SceneState::Pending) => false,
+                Some(SceneState::Failed(_)) => state == SceneState::Pending,
+                Some(SceneState::Spawned) => state != SceneState::Spawned,
+            };
+            if counts_more {
+                states.insert(scene, state);
             }
         }
         states

@@ -37,7 +37,7 @@ fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
     let place = *parts.single(app.world()).expect("it is in physics, and rough");
     let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
     let vertices = world_vertices(&posed, &place.affine());
-    let vertices = vertices.iter().map(DVec3::as_vec3).collect();
+    let vertices = vertices.into_iter().map(DVec3::as_vec3).collect();
     TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh with triangles")
 }
 

@@ -87,19 +87,10 @@ fn what_a_surface_does_not_push_passes() {
     for way in 0..3 {
         let (mut app, _, bullet) = bullet_above_a_sheet();
         let alone = Group::GROUP_1;
+        let mut entity = app.world_mut().entity_mut(bullet);
         match way {
-            0 => {
-                _ = app
-                    .world_mut()
-                    .entity_mut(bullet)
-                    .insert(CollisionGroups::new(alone, Group::NONE))
-            }
-            1 => {
-                _ = app
-                    .world_mut()
-                    .entity_mut(bullet)
-                    .insert(SolverGroups::new(alone, Group::NONE))
-            }
+            0 => _ = entity.insert(CollisionGroups::new(alone, Group::NONE)),
+            1 => _ = entity.insert(SolverGroups::new(alone, Group::NONE)),
             _ => put(&mut app, bullet, Vec3::new(0.1, -0.5, 0.05)),
         }
         run(&mut app, 20);

@@ -163,8 +163,10 @@ fn a_wrong_schedule_is_put_right_and_the_log_says_what_to_write() {
     });
 }
 
-/// Apps in which physics cannot feel a mesh, and what the log must name.
-const BROKEN: &[(&str, fn(&mut App), &str)] = &[
+/// A way to put an app together in which physics cannot feel a mesh, and what the log must name.
+type Broken = (&'static str, fn(&mut App), &'static str);
+
+const BROKEN: &[Broken] = &[
     (
         "the group without Rapier",
         |app| {

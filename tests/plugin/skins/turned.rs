@@ -58,7 +58,9 @@ impl Turned {
         let parts = drawn::parts::<()>(app.world_mut(), &meshes).into_iter();
         let skinned = parts.filter(|part| meshes[part.mesh].skin.is_some());
         let place = |part: Part| (root_of(app.world(), part.entity, &roots).expect("it has a root"), part);
-        let parts = skinned.map(place).collect();
+        let mut parts: Vec<(usize, Part)> = skinned.map(place).collect();
+        // Queries have no order. Instances have their parts in the same one.
+        parts.sort_by_key(|(_, part)| (part.mesh, part.triangles.start));
         Self { app, meshes, parts }
     }
 

@@ -14,7 +14,7 @@ pub struct QueryStats {
     /// Pairs of a vertex and a face, or of two edges, tested by a [`MotionQuery`](crate::motion::MotionQuery). For a ball, the intervals of
     /// time for which it and a triangle were compared.
     pub feature_tests: u64,
-    /// Those of them that are degenerate or touch at the start or at the end, and were decided there by exact signs, about a microsecond
+    /// Those of them that are degenerate or touch at the start or at the end, and were decided there by exact signs, a few microseconds
     /// each.
     pub feature_tests_at_ends: u64,
     /// Those of them that needed exact polynomials, tens of microseconds each.

@@ -175,10 +175,14 @@ pub(super) fn carry(
                 if let Ok((mut transform, parent)) = transforms.get_mut(figure.root) {
                     // Avian follows the transform of a collider without a body.
                     let parent = parent.and_then(|parent| globals.get(parent.parent()).ok());
-                    transform.translation += match parent {
+                    let shift = match parent {
                         Some(parent) => parent.affine().inverse().transform_vector3(shift),
                         None => shift,
                     };
+                    // It is not if the parent is flat.
+                    if shift.is_finite() {
+                        transform.translation += shift;
+                    }
                 } else if let Ok((mut position, _)) = places.p1().get_mut(figure.root) {
                     position.0 += shift;
                 }

@@ -1,6 +1,5 @@
 //! Without the feature `gltf`, no entity spawns a scene that the plugin knows.
 
-use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
@@ -23,8 +22,8 @@ impl SpawnedScenes<'_, '_> {
         false
     }
 
-    pub(crate) fn states(&self, _: &Hierarchy, _: &Names) -> EntityHashMap<SceneState> {
-        EntityHashMap::default()
+    pub(crate) fn state(&self, _: Entity, _: &Hierarchy, _: &Names) -> Option<SceneState> {
+        None
     }
 
     pub(crate) fn any_is_pending(&self, _: &Names) -> bool {

@@ -57,10 +57,9 @@ pub(crate) fn report_outcomes(
     mut commands: Commands,
 ) {
     let mut settled: Vec<(Entity, SceneState)> = Vec::new();
-    let mut states = spawned.states(&hierarchy, &names);
     open.0.retain(|&root| {
         // Nobody knows when a scene is complete that a game builds by hand.
-        let state = states.remove(&root);
+        let state = spawned.state(root, &hierarchy, &names);
         let is_pending = state == Some(SceneState::Pending);
         settled.extend(state.filter(|_| !is_pending).map(|state| (root, state)));
         is_pending

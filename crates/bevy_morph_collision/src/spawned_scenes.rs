@@ -1,7 +1,6 @@
 //! How far the scenes are that Bevy spawns from assets.
 
 use bevy::asset::UntypedAssetId;
-use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
@@ -15,7 +14,6 @@ use crate::scene_outcomes::SceneState;
 
 /// The components of an entity that spawns a scene.
 type Root = (
-    Entity,
     Option<&'static WorldAssetRoot>,
     Option<&'static DynamicWorldRoot>,
     Option<&'static WorldInstance>,
@@ -43,27 +41,23 @@ impl SpawnedScenes<'_, '_> {
         root.is_ok_and(|root| self.state_of(root, names) == SceneState::Pending)
     }
 
-    /// How far the scenes are that are spawned at or below each [`MorphColliderScene`](crate::MorphColliderScene): pending if any of them is,
-    /// otherwise failed if any has failed. Those that spawn none are left out.
-    pub(crate) fn states(&self, hierarchy: &Hierarchy, names: &Names) -> EntityHashMap<SceneState> {
-        let mut states: EntityHashMap<SceneState> = EntityHashMap::default();
-        for root in &self.roots {
-            let Some(scene) = hierarchy.scene_root(root.0) else {
+    /// How far the files are that a [`MorphColliderScene`](crate::MorphColliderScene) spawns at or below its entity: pending if any of them
+    /// is, otherwise failed if any has failed. `None` if there are none. Looks at every entity of the scene.
+    pub(crate) fn state(&self, scene: Entity, hierarchy: &Hierarchy, names: &Names) -> Option<SceneState> {
+        let mut of_all = None;
+        for entity in std::iter::once(scene).chain(hierarchy.below(scene)) {
+            let Ok(root) = self.roots.get(entity) else { continue };
+            // A scene within a scene is a body of its own.
+            if hierarchy.scene_root(entity) != Some(scene) {
                 continue;
-            };
-            let state = self.state_of(root, names);
-            // Pending counts more than failed, and failed more than spawned.
-            let counts_more = match states.get(&scene) {
-                None => true,
-                Some(SceneState::Pending) => false,
-                Some(SceneState::Failed(_)) => state == SceneState::Pending,
-                Some(SceneState::Spawned) => state != SceneState::Spawned,
-            };
-            if counts_more {
-                states.insert(scene, state);
+            }
+            match self.state_of(root, names) {
+                SceneState::Pending => return Some(SceneState::Pending),
+                SceneState::Failed(error) => of_all = Some(SceneState::Failed(error)),
+                SceneState::Spawned => _ = of_all.get_or_insert(SceneState::Spawned),
             }
         }
-        states
+        of_all
     }
 
     /// Whether any scene of the app is still to be spawned.
@@ -74,8 +68,7 @@ impl SpawnedScenes<'_, '_> {
 
     fn state_of(
         &self,
-        (_, scene, dynamic, instance): (
-            Entity,
+        (scene, dynamic, instance): (
             Option<&WorldAssetRoot>,
             Option<&DynamicWorldRoot>,
             Option<&WorldInstance>,

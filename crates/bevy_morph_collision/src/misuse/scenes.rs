@@ -22,8 +22,7 @@ struct Part<'a> {
 /// Looks at the scene of an entity, once its meshes are there.
 pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
     let Some(scene) = subject.scene else { return Look::Done };
-    let mut states = around.spawned.states(&around.hierarchy, &around.names);
-    let state = states.remove(&subject.entity);
+    let state = around.spawned.state(subject.entity, &around.hierarchy, &around.names);
     match state {
         // A scene may still be spawned below it.
         None if is_new || around.spawned.any_is_pending(&around.names) => return Look::Again,

@@ -55,10 +55,10 @@ pub fn gltf(data: &[u8]) {
     for mesh in &report.meshes {
         let Some(usable) = &mesh.usable else { continue };
         file.budget().lend(|| {
-            for clip in file.clips(mesh.index, usable.targets.len()).clips {
+            for clip in file.clips(mesh.index, None, usable.targets.len()).clips {
                 let _weights = clip.sample(0.7 * clip.duration());
             }
-            if let Ok(Some(skin)) = file.skin(mesh.index) {
+            if let Ok(Some(skin)) = file.skin(mesh.index, None) {
                 let _rest = skin.skeleton.at_rest();
                 for clip in &skin.skeleton.clips {
                     let _joints = skin.skeleton.world_from_mesh(Some(clip), 0.7 * clip.duration());

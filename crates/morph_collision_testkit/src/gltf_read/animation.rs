@@ -3,6 +3,7 @@
 use super::GltfFile;
 use super::accessor::{TIMES, WEIGHTS};
 use super::animations::default_name;
+use super::channels::Animated;
 use super::document::{Animation, abridged};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
 use crate::mesh::WeightAnimation;
@@ -27,29 +28,43 @@ struct WeightChannel<'a> {
     name: Option<&'a str>,
     index: usize,
     channel: usize,
-    node: usize,
+    /// `None` if it animates the mesh itself.
+    node: Option<usize>,
     mesh: usize,
     sampler: usize,
+    /// The pointer to it, if it is only one of the weights.
+    one: Option<&'a str>,
 }
 
 impl GltfFile {
-    /// The clips that animate the weights of a mesh with `targets` targets.
+    /// The clips that animate the weights of a mesh with `targets` targets, as a node shows it, or as all nodes do if none is given.
     ///
     /// A clip has the name of its animation ([`GltfFile::animation_names`]). If several nodes of one animation show the mesh, the names
     /// of all clips after the first include the node. Channels without a node, and those that animate something else, are skipped.
     /// A clip lasts as long as the whole animation.
     #[must_use]
-    pub fn clips(&self, mesh: usize, targets: usize) -> Clips {
+    pub fn clips(&self, mesh: usize, node: Option<usize>, targets: usize) -> Clips {
         let mut found = Clips::default();
         let channels = self.weight_channels(&mut Vec::new());
         let names = self.animation_table();
         let mut end = (usize::MAX, 0.0);
-        for channel in channels.into_iter().filter(|channel| channel.mesh == mesh) {
+        let is_wanted = |channel: &WeightChannel<'_>| {
+            let is_of_node = match (node, channel.node) {
+                (None, _) => true,
+                (Some(node), Some(animated)) => node == animated,
+                (Some(node), None) => !self.has_weights(node),
+            };
+            channel.mesh == mesh && is_of_node
+        };
+        for channel in channels.into_iter().filter(is_wanted) {
             match self.read_channel(&channel, targets) {
                 Ok((mut clip, interpolation)) => {
                     clip.name = names.of(channel.index);
                     if found.animations.last() == Some(&channel.index) {
-                        clip.name += &format!(" (node {})", channel.node);
+                        clip.name += &match channel.node {
+                            Some(node) => format!(" (node {node})"),
+                            None => format!(" (mesh {mesh})"),
+                        };
                     }
                     if end.0 != channel.index {
                         end = (channel.index, self.animation_end(channel.animation));
@@ -97,17 +112,8 @@ impl GltfFile {
             };
             let name = animation.name.as_deref();
             for channel in animation.channels.indices() {
-                match self.weight_channel(animation, channel) {
-                    Ok(None) => {}
-                    Ok(Some((node, mesh, sampler))) => channels.push(WeightChannel {
-                        animation,
-                        name,
-                        index,
-                        channel,
-                        node,
-                        mesh,
-                        sampler,
-                    }),
+                match self.weight_channel(animation, index, channel) {
+                    Ok(found) => channels.extend(found),
                     Err(problem) => problems.push(self.animation_error(index, name, problem)),
                 }
             }
@@ -115,26 +121,50 @@ impl GltfFile {
         channels
     }
 
-    /// The node, the mesh and the sampler; `None` for a channel that animates something else.
-    fn weight_channel(
+    /// A channel of an animation; `None` if it animates something else.
+    fn weight_channel<'a>(
         &self,
-        animation: &Animation,
+        animation: &'a Animation,
+        index: usize,
         channel: usize,
-    ) -> Result<Option<(usize, usize, usize)>, AnimationProblem> {
+    ) -> Result<Option<WeightChannel<'a>>, AnimationProblem> {
         let json = animation.channels.get(channel, &self.budget);
         let json = json.map_err(|problem| AnimationProblem::Channel { channel, problem })?;
-        let (Some(node), "weights") = (json.target.node, &*json.target.path) else {
-            return Ok(None);
-        };
         let dangling = |what| AnimationProblem::Dangling { channel, what };
-        let found = self.root.nodes.get(node, &self.budget);
-        let Some(mesh) = found.map_err(|_| dangling("node"))?.mesh else {
-            return Ok(None);
+        let (node, mesh, one) = match json.target.animated() {
+            Animated::NodeWeights(node, one) => {
+                let found = self.root.nodes.get(node, &self.budget);
+                let Some(mesh) = found.map_err(|_| dangling("node"))?.mesh else {
+                    return Ok(None);
+                };
+                (Some(node), mesh, one)
+            }
+            Animated::MeshWeights(mesh, one) => (None, mesh, one),
+            Animated::NotApplied(pointer) => {
+                let pointer = abridged(pointer);
+                return Err(AnimationProblem::NotApplied { channel, pointer });
+            }
+            Animated::Node(..) | Animated::Other => return Ok(None),
         };
         if mesh >= self.root.meshes.len() {
             return Err(dangling("mesh"));
         }
-        Ok(Some((node, mesh, json.sampler)))
+        Ok(Some(WeightChannel {
+            animation,
+            name: animation.name.as_deref(),
+            index,
+            channel,
+            node,
+            mesh,
+            sampler: json.sampler,
+            one,
+        }))
+    }
+
+    /// Whether a node has weights of its own.
+    fn has_weights(&self, node: usize) -> bool {
+        let json = self.root.nodes.get(node, &self.budget);
+        json.is_ok_and(|json| json.weights.is_some())
     }
 
     fn read_channel(
@@ -143,6 +173,10 @@ impl GltfFile {
         targets: usize,
     ) -> Result<(WeightAnimation, Interpolation), AnimationProblem> {
         let channel = json.channel;
+        if let Some(pointer) = json.one {
+            let pointer = abridged(pointer);
+            return Err(AnimationProblem::NotApplied { channel, pointer });
+        }
         let sampler = json.animation.samplers.get(json.sampler, &self.budget);
         let sampler = sampler.map_err(|_| AnimationProblem::Dangling {
             channel,

@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::GltfFile;
 use super::accessor::TIMES;
+use super::channels::Animated;
 use super::document::{Animation, abridged};
 
 /// An animation of a file.
@@ -19,7 +20,8 @@ pub struct AnimationInfo {
     pub meshes: Vec<usize>,
     /// The number of nodes that it moves.
     pub nodes: usize,
-    /// Channels that are ignored because they have no node, as the specification demands, or because they cannot be read.
+    /// Channels that are ignored, because they animate nothing that poses or places a mesh, as the specification demands, or because they
+    /// cannot be read.
     pub ignored: usize,
     /// The interpolations of its samplers, as the file names them.
     pub interpolations: Vec<String>,
@@ -74,19 +76,25 @@ impl GltfFile {
         let mut ignored = 0;
         for channel in animation.channels.indices() {
             let json = animation.channels.get(channel, &self.budget).ok();
-            let Some((json, node)) = json.and_then(|json| Some((json, json.target.node?))) else {
+            let Some(json) = json else {
                 ignored += 1;
                 continue;
             };
-            match &*json.target.path {
-                "weights" => {
+            match json.target.animated() {
+                Animated::NodeWeights(node, None) => {
                     let node = self.root.nodes.get(node, &self.budget).ok();
                     meshes.extend(node.and_then(|node| node.mesh));
                 }
-                "translation" | "rotation" | "scale" => {
+                Animated::MeshWeights(mesh, None) => {
+                    meshes.insert(mesh);
+                }
+                Animated::Node(node, _) => {
                     nodes.insert(node);
                 }
-                _ => ignored += 1,
+                _ => {
+                    ignored += 1;
+                    continue;
+                }
             }
             if let Ok(sampler) = animation.samplers.get(json.sampler, &self.budget) {
                 interpolations.insert(abridged(sampler.interpolation.as_deref().unwrap_or("LINEAR")));

@@ -30,6 +30,11 @@ pub(super) struct Root {
     pub(super) accessors: List<Accessor>,
     #[serde(default)]
     pub(super) meshes: List<Mesh>,
+    /// The scene to draw, if it is not the first.
+    #[serde(default, deserialize_with = "or_default")]
+    pub(super) scene: Option<usize>,
+    #[serde(default)]
+    pub(super) scenes: List<Scene>,
     #[serde(default)]
     pub(super) nodes: List<Node>,
     #[serde(default)]
@@ -204,6 +209,14 @@ pub(super) struct Target {
     pub(super) positions: Option<usize>,
 }
 
+/// The nodes that are drawn together, with everything below them.
+#[derive(Debug, Deserialize)]
+pub(super) struct Scene {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) nodes: Vec<usize>,
+}
+
 #[derive(Debug, Deserialize)]
 pub(super) struct Node {
     pub(super) name: Option<String>,
@@ -217,6 +230,46 @@ pub(super) struct Node {
     pub(super) translation: Option<[f32; 3]>,
     pub(super) rotation: Option<[f32; 4]>,
     pub(super) scale: Option<[f32; 3]>,
+    #[serde(default)]
+    pub(super) extensions: NodeExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub(super) instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    visibility: Option<Visibility>,
+}
+
+/// A node that shows its mesh several times.
+#[derive(Debug, Deserialize)]
+pub(super) struct Instancing {
+    #[serde(default)]
+    pub(super) attributes: InstanceAttributes,
+}
+
+/// One element of each for every instance.
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub(super) struct InstanceAttributes {
+    pub(super) translation: Option<usize>,
+    pub(super) rotation: Option<usize>,
+    pub(super) scale: Option<usize>,
+}
+
+/// A node that may be hidden with everything below it.
+#[derive(Debug, Deserialize)]
+struct Visibility {
+    visible: Option<bool>,
+}
+
+impl Node {
+    /// Whether the node hides itself and everything below it at rest.
+    pub(super) fn is_hidden(&self) -> bool {
+        let visibility = self.extensions.visibility.as_ref();
+        visibility.is_some_and(|visibility| visibility.visible == Some(false))
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -247,6 +300,20 @@ pub(super) struct ChannelTarget {
     /// Absent if an extension says what is animated.
     pub(super) node: Option<usize>,
     pub(super) path: String,
+    #[serde(default)]
+    pub(super) extensions: ChannelTargetExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct ChannelTargetExtensions {
+    #[serde(rename = "KHR_animation_pointer")]
+    pub(super) pointer: Option<AnimationPointer>,
+}
+
+/// What is animated, as a JSON pointer into the file.
+#[derive(Debug, Deserialize)]
+pub(super) struct AnimationPointer {
+    pub(super) pointer: String,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,5 +1,7 @@
 //! Opens a file and parses its JSON.
 
+use std::cell::OnceCell;
+use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +42,8 @@ pub struct GltfFile {
     pub(super) decoded: Decoded,
     pub(super) budget: MemoryBudget,
     pub(super) parents: Parents,
+    /// For each mesh that a node shows, [the main one](GltfFile::main_node); computed on first use.
+    pub(super) main_nodes: OnceCell<HashMap<usize, usize>>,
 }
 
 impl GltfFile {
@@ -143,6 +147,7 @@ impl GltfFile {
             root,
             budget,
             parents: Parents::new(),
+            main_nodes: OnceCell::new(),
         })
     }
 

@@ -5,6 +5,7 @@ use glam::Vec4;
 use super::GltfFile;
 use super::accessor::{FRACTIONS, POINTS, TIMES};
 use super::animation::check_times;
+use super::channels::Animated;
 use super::document::{Animation, Channel};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
 use super::skin::Hierarchy;
@@ -22,15 +23,15 @@ pub struct JointClips {
 }
 
 impl GltfFile {
-    /// The clips that move the joints of a skinned mesh or their ancestors. Empty for other meshes, and for skins that cannot be
-    /// read.
+    /// The clips that move the joints of a mesh or their ancestors, with the skin of a node ([`GltfFile::skin`]). Empty for meshes without a
+    /// skin, and for skins that cannot be read.
     ///
     /// A clip has the name of its animation ([`GltfFile::animation_names`]) and lasts as long. A clip with a broken channel is left out
     /// as a whole.
     #[must_use]
-    pub fn joint_clips(&self, mesh: usize) -> JointClips {
+    pub fn joint_clips(&self, mesh: usize, node: Option<usize>) -> JointClips {
         let json = self.root.meshes.get(mesh, &self.budget).ok();
-        let skin = json.and_then(|json| self.skin_of(mesh, json));
+        let skin = json.and_then(|json| self.skin_of(mesh, json, node));
         match skin.map(|skin| self.hierarchy(skin)) {
             Some(Ok(hierarchy)) => self.clips_of(&hierarchy),
             None | Some(Err(_)) => JointClips::default(),
@@ -77,8 +78,9 @@ impl GltfFile {
             let Ok(json) = animation.channels.get(channel, &self.budget) else {
                 continue;
             };
-            let place = json.target.node.and_then(|node| hierarchy.places.get(&node));
-            if let (Some(&node), Some(property)) = (place, property(&json.target.path)) {
+            if let Animated::Node(node, property) = json.target.animated()
+                && let Some(&node) = hierarchy.places.get(&node)
+            {
                 channels.push(self.joint_channel(animation, (channel, json), node, property)?);
             }
         }
@@ -153,15 +155,6 @@ impl GltfFile {
             values,
         })
     }
-}
-
-fn property(path: &str) -> Option<Property> {
-    Some(match path {
-        "translation" => Property::Translation,
-        "rotation" => Property::Rotation,
-        "scale" => Property::Scale,
-        _ => return None,
-    })
 }
 
 fn what(property: Property) -> &'static str {

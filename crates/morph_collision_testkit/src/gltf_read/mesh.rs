@@ -11,7 +11,7 @@ pub struct FoundMesh {
     /// The mesh, without its clips and its skin ([`GltfFile::skin`]). Targets without stored data are empty
     /// ([`MorphMesh::targets`]).
     pub mesh: MorphMesh,
-    /// Whether a node shows it with a skin, which moves its vertices by bones.
+    /// Whether [its main node](GltfFile::main_node) shows it with a skin, which moves its vertices by bones.
     pub skinned: bool,
     /// If none of its primitives has triangles, what it draws: `points`, `lines` or `points and lines`.
     pub not_triangles: Option<&'static str>,
@@ -74,7 +74,7 @@ impl GltfFile {
         mesh.name = name;
         Ok(FoundMesh {
             mesh,
-            skinned: self.skin_of(index, json).is_some(),
+            skinned: self.skin_of(index, json, None).is_some(),
             not_triangles: match (drawn.triangles, drawn.points, drawn.lines) {
                 (false, true, true) => Some("points and lines"),
                 (false, true, false) => Some("points"),
@@ -101,8 +101,8 @@ impl GltfFile {
                 *target = vec![glam::Vec3::ZERO; vertices];
             }
             mesh.default_weights = self.default_weights(index, None, mesh.targets.len())?;
-            mesh.animations = self.clips(index, mesh.targets.len()).clips;
-            mesh.skin = self.skin(index)?;
+            mesh.animations = self.clips(index, None, mesh.targets.len()).clips;
+            mesh.skin = self.skin(index, None)?;
             Ok(mesh)
         };
         (0..self.mesh_count()).map(read).collect()

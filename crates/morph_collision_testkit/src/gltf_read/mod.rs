@@ -6,8 +6,9 @@
 //! 2. Load a buffer when it is first used (`buffers`, `uri`), decode compressed views and primitives (`view`, `compressed`, `meshopt`,
 //!    `draco`), and open and decode accessors (`accessor`).
 //! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`).
-//! 4. Read its skin (`skin`, `influences`), collect the clips (`animations`, `animation`, `joint_animation`), and find the nodes that show
-//!    it (`nodes`).
+//! 4. Find what a scene draws: nodes with their mesh and their skin, once for each instance (`scenes`, `nodes`, `instances`).
+//! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animations`,
+//!    `animation`, `joint_animation`).
 //!
 //! Files may come from anywhere:
 //!
@@ -27,6 +28,7 @@ mod accessor;
 mod animation;
 mod animations;
 mod buffers;
+mod channels;
 mod compressed;
 mod container;
 mod document;
@@ -35,11 +37,13 @@ mod error;
 mod extensions;
 mod file;
 mod influences;
+mod instances;
 mod joint_animation;
 mod mesh;
 mod meshopt;
 mod nodes;
 mod primitive;
+mod scenes;
 mod skin;
 mod triangles;
 mod uri;
@@ -51,12 +55,13 @@ pub use self::animation::Clips;
 pub use self::animations::AnimationInfo;
 pub use self::document::ElementError;
 pub use self::error::{
-    AccessorProblem, AnimationProblem, BufferFault, BufferProblem, CompressionFault, MeshProblem, ReadError, Remedy,
-    SkinProblem,
+    AccessorProblem, AnimationProblem, BufferFault, BufferProblem, CompressionFault, MeshProblem, NodeProblem,
+    ReadError, Remedy, SkinProblem,
 };
 pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;
 pub use self::mesh::FoundMesh;
+pub use self::scenes::{Drawing, Drawn, Extent};
 
 use crate::mesh::MorphMesh;
 

@@ -1,9 +1,12 @@
 //! The nodes that show meshes: default weights and placement.
 
+use std::collections::HashMap;
+
 use glam::{Affine3A, Mat4};
 
 use super::GltfFile;
-use super::document::{Mesh, Node};
+use super::document::Node;
+
 use super::error::{MeshProblem, ReadError};
 use super::skin::Hierarchy;
 use crate::skeleton::{Joint, Skeleton};
@@ -25,13 +28,13 @@ impl GltfFile {
     /// The weights of a mesh with `targets` targets that no clip animates: those of the node that shows it, or else its own, or else
     /// zero. Empty if all are zero.
     ///
-    /// If no `node` is given, the first one that shows the mesh counts; for a skinned mesh the first one with a skin.
+    /// If no `node` is given, [the main one](GltfFile::main_node) counts.
     ///
     /// # Errors
     /// The file has another number of weights, or one that is not finite.
     pub fn default_weights(&self, mesh: usize, node: Option<usize>, targets: usize) -> Result<Vec<f32>, ReadError> {
         let json = self.root.meshes.get(mesh, &self.budget).ok();
-        let node = node.or_else(|| self.main_node(mesh, json?));
+        let node = node.or_else(|| self.main_node(mesh));
         let of_node = node.and_then(|node| self.node_json(node)?.weights.as_ref());
         let Some(weights) = of_node.or(json.and_then(|json| json.weights.as_ref())) else {
             return Ok(Vec::new());
@@ -60,11 +63,31 @@ impl GltfFile {
         Ok(weights.clone())
     }
 
-    /// The node whose skin and default weights a mesh has, if no other is asked for.
-    fn main_node(&self, mesh: usize, json: &Mesh) -> Option<usize> {
-        let skinned = self.skin_of(mesh, json).is_some();
-        let fits = |node: &usize| !skinned || self.node_json(*node).is_some_and(|json| json.skin.is_some());
-        self.nodes_of(mesh).find(fits)
+    /// The node whose skin, weights and clips a mesh has if no other is asked for: of the nodes that the default scene draws, the first one
+    /// with a skin, or else the first one; if there is none, of all nodes.
+    #[must_use]
+    pub fn main_node(&self, mesh: usize) -> Option<usize> {
+        let of_meshes = self.main_nodes.get_or_init(|| self.find_main_nodes());
+        of_meshes.get(&mesh).copied()
+    }
+
+    fn find_main_nodes(&self) -> HashMap<usize, usize> {
+        let mut found: HashMap<usize, (usize, [bool; 2])> = HashMap::new();
+        let is_in = self
+            .default_scene()
+            .map(|scene| self.nodes_in(scene).unwrap_or_default());
+        for node in self.root.nodes.indices() {
+            let Some((mesh, json)) = self.node_json(node).and_then(|json| Some((json.mesh?, json))) else {
+                continue;
+            };
+            let is_drawn = is_in.as_ref().is_none_or(|is_in| is_in.get(node) == Some(&true));
+            let rank = [is_drawn, json.skin.is_some()];
+            let best = found.entry(mesh).or_insert((node, rank));
+            if rank > best.1 {
+                *best = (node, rank);
+            }
+        }
+        found.into_iter().map(|(mesh, (node, _))| (mesh, node)).collect()
     }
 
     /// How a node is placed in the world, at rest and in clips: a skeleton whose only joint is the node.

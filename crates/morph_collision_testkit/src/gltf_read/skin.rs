@@ -27,15 +27,15 @@ pub(super) struct Hierarchy {
 }
 
 impl GltfFile {
-    /// Reads the skin of a mesh: influences, joints and their clips; `None` for a mesh that [is not
-    /// skinned](super::FoundMesh::skinned).
+    /// Reads the skin with which a node shows a mesh, or else [the mesh's main node](GltfFile::main_node): influences, joints and their clips.
+    /// `None` if the node has no skin, and for a mesh without influences.
     ///
-    /// If several nodes show the mesh with a skin, the skin of the first one counts. Its transform is not used, because joints
-    /// take vertices directly to world space. Clips that cannot be played are left out; [`GltfFile::joint_clips`] says why.
+    /// The transform of the node is not used, because joints take vertices directly to world space. Clips that cannot be played are left out;
+    /// [`GltfFile::joint_clips`] says why.
     ///
     /// # Errors
     /// [`ReadError::Skin`] names the skin, the node, or the primitive and the accessor at fault.
-    pub fn skin(&self, mesh: usize) -> Result<Option<MeshSkin>, ReadError> {
+    pub fn skin(&self, mesh: usize, node: Option<usize>) -> Result<Option<MeshSkin>, ReadError> {
         let fail = |problem| ReadError::Skin {
             path: self.path.clone(),
             mesh,
@@ -44,7 +44,7 @@ impl GltfFile {
         };
         let json = self.root.meshes.get(mesh, &self.budget);
         let json = json.map_err(|problem| fail(SkinProblem::Mesh(MeshProblem::Element(problem))))?;
-        let Some(skin) = self.skin_of(mesh, json) else {
+        let Some(skin) = self.skin_of(mesh, json, node) else {
             return Ok(None);
         };
         let sets = influences::read(self, json).map_err(fail)?;
@@ -54,20 +54,17 @@ impl GltfFile {
         Ok(Some(MeshSkin { sets, skeleton }))
     }
 
-    /// The skin of the first node that shows a mesh with one. Also `None` if none of the mesh's primitives has influences.
-    pub(super) fn skin_of(&self, mesh: usize, json: &super::document::Mesh) -> Option<usize> {
+    /// The skin with which a node, or else the main one, shows a mesh. Also `None` if none of the mesh's primitives has influences.
+    pub(super) fn skin_of(&self, mesh: usize, json: &super::document::Mesh, node: Option<usize>) -> Option<usize> {
         let bound = |primitive: &super::document::Primitive| {
             let attributes = &primitive.attributes;
             attributes.joints.is_some() && attributes.joint_weights.is_some()
         };
-        let shown_with = |node: usize| {
-            let node = self.root.nodes.get(node, &self.budget).ok()?;
-            node.skin.filter(|_| node.mesh == Some(mesh))
-        };
         if !json.primitives.iter().any(bound) {
             return None;
         }
-        self.root.nodes.indices().find_map(shown_with)
+        let node = node.or_else(|| self.main_node(mesh))?;
+        self.root.nodes.get(node, &self.budget).ok()?.skin
     }
 
     /// The joints of a skin and all their ancestors.

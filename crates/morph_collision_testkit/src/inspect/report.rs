@@ -4,8 +4,9 @@ use morph_collision::ModelError;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::node::DrawnNodes;
 use super::{AnimationReport, FileAnimationReport, NodeReport, SkinReport, UsableReport};
-use crate::gltf_read::{Clips, FoundMesh, GltfFile, JointClips, ReadError, Remedy};
+use crate::gltf_read::{Clips, Drawing, Extent, FoundMesh, GltfFile, JointClips, ReadError, Remedy};
 use crate::memory::OverBudget;
 use crate::mesh::MorphMesh;
 use crate::printable::Printable;
@@ -110,15 +111,21 @@ impl FileReport {
         meshes: impl IntoIterator<Item = usize>,
         mut before: impl FnMut(usize),
     ) -> Self {
+        let drawing = file.drawing(Extent::DefaultScene);
+        let drawn = DrawnNodes::of(drawing.as_ref().unwrap_or(&Drawing::default()));
         let report = |index| {
             before(index);
-            file.budget().lend(|| MeshReport::read(file, index))
+            file.budget().lend(|| MeshReport::read(file, index, &drawn))
         };
         let animations = file.animations().into_iter().enumerate();
+        let broken = drawing
+            .as_ref()
+            .map_or_else(std::slice::from_ref, |drawing| &drawing.broken);
+        let strays = file.stray_animations();
         Self {
             file: file.path().display().to_string(),
             ignored_extensions: file.ignored_extensions().map(str::to_owned).collect(),
-            warnings: file.stray_animations().iter().map(ToString::to_string).collect(),
+            warnings: broken.iter().chain(&strays).map(ToString::to_string).collect(),
             animations: animations
                 .map(|(index, info)| FileAnimationReport::new(index, info))
                 .collect(),
@@ -141,14 +148,14 @@ impl FileReport {
 }
 
 impl MeshReport {
-    fn read(file: &GltfFile, index: usize) -> Self {
+    fn read(file: &GltfFile, index: usize, drawn: &DrawnNodes) -> Self {
         let mut found = match file.mesh(index) {
             Ok(found) => found,
             Err(error) => return Self::broken(file, index, &error),
         };
-        let clips = file.clips(index, found.mesh.targets.len());
-        let joint_clips = file.joint_clips(index);
-        let skin = file.skin(index).map(|skin| found.mesh.skin = skin);
+        let clips = file.clips(index, None, found.mesh.targets.len());
+        let joint_clips = file.joint_clips(index, None);
+        let skin = file.skin(index, None).map(|skin| found.mesh.skin = skin);
         let mut warnings = Vec::new();
         match file.default_weights(index, None, found.mesh.targets.len()) {
             Ok(weights) => found.mesh.default_weights = weights,
@@ -163,7 +170,7 @@ impl MeshReport {
         };
         let mut report = Self::of(index, &found.mesh, &clips, &joint_clips, usable());
         report.skinned = found.skinned;
-        report.nodes = NodeReport::all(file, index);
+        report.nodes = NodeReport::all(file, index, drawn);
         warnings.extend(clips.broken.iter().map(left_out));
         warnings.extend(joint_clips.broken.iter().map(left_out));
         report.warnings = warnings;

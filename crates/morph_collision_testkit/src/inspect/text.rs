@@ -188,6 +188,11 @@ fn render_nodes(text: &mut impl Write, nodes: &[NodeReport], skinned: bool) -> f
     }
     for node in nodes.iter().take(MOST_LISTED) {
         write!(text, "  shown by    node {} \"{}\"", node.index, Printable(&node.name))?;
+        match node.drawn {
+            0 => write!(text, ", which the scene does not draw")?,
+            1 => {}
+            instances => write!(text, " in {} instances", grouped(instances))?,
+        }
         let [x, y, z] = node.translation;
         let [a, b, c, d] = node.rotation;
         let [sx, sy, sz] = node.scale;

@@ -137,7 +137,7 @@ fn clips_are_counted() -> Result<(), ReadError> {
     let nothing = claim(&mut document, F32, "SCALAR", 0, false);
     document.json["animations"][0]["samplers"][0] = json!({"input": times, "output": nothing});
     let (_directory, file) = document.open()?;
-    let clips = file.clips(0, 0);
+    let clips = file.clips(0, None, 0);
     assert!(clips.clips.is_empty());
     assert_eq!(
         clips.broken.first().and_then(ReadError::remedy),
@@ -248,7 +248,7 @@ fn long_texts_are_cut_in_errors() -> Result<(), ReadError> {
     let (_directory, file) = document.open()?;
     let mut errors = file.stray_animations();
     assert_eq!(errors.len(), 2);
-    errors.extend(file.clips(0, 1).broken);
+    errors.extend(file.clips(0, None, 1).broken);
     errors.extend(file.mesh(1).err());
     assert_eq!(errors.len(), 4);
     for error in errors {
@@ -271,9 +271,9 @@ fn the_weights_of_a_step_are_counted_as_often_as_they_are_held() -> Result<(), R
     document.json["animations"][0]["name"] = json!("a".repeat(1000));
     let (_directory, file) = document.open()?;
     // The JSON and the buffer do not count again.
-    assert_eq!(file.clips(0, 1).clips.len(), 1);
+    assert_eq!(file.clips(0, None, 1).clips.len(), 1);
     let before = file.budget().left();
-    assert_eq!(file.clips(0, 1).clips.len(), 1);
+    assert_eq!(file.clips(0, None, 1).clips.len(), 1);
     assert_eq!(before - file.budget().left(), keys * (200 + 24) + 4 * 1000);
     Ok(())
 }

@@ -316,7 +316,7 @@ fn influences_of_every_type_and_form() -> Result<(), ReadError> {
                 document.json["nodes"] = json!([{"mesh": 0, "skin": 0}, {}]);
                 document.json["skins"] = json!([{"joints": [1]}]);
                 let (file, json, bin) = open(document)?;
-                let skin = file.skin(0)?.expect("it is skinned");
+                let skin = file.skin(0, None)?.expect("it is skinned");
                 let set = &skin.sets[0];
                 let expected = specified(&json, &bin, joints);
                 assert_eq!(
@@ -350,7 +350,7 @@ fn keys_of_every_type_and_form() -> Result<(), ReadError> {
                 let turns = add(&mut document, &mut rng, kind, "VEC4", 3 * per_key, form);
                 document.json["animations"][0]["samplers"][0]["output"] = weights.into();
                 let (file, json, bin) = open(document)?;
-                let clip = file.clips(0, 2).clips.remove(0);
+                let clip = file.clips(0, None, 2).clips.remove(0);
                 let expected: Vec<f32> = specified(&json, &bin, weights).iter().map(|c| c[0] as f32).collect();
                 let value = |key: usize| {
                     let at = if per_key == 3 { (3 * key + 1) * 2 } else { key * 2 };

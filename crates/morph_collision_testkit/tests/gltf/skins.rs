@@ -58,7 +58,7 @@ fn animate(document: &mut Document, node: usize, path: &str, interpolation: &str
 
 fn skeleton(document: Document) -> Result<Skeleton, ReadError> {
     let (_directory, file) = document.open()?;
-    Ok(file.skin(0)?.expect("the square is skinned").skeleton)
+    Ok(file.skin(0, None)?.expect("the square is skinned").skeleton)
 }
 
 #[track_caller]
@@ -66,7 +66,7 @@ fn skin_error(document: Document) -> String {
     let (_directory, file) = document.open().expect("the file itself is right");
     // The mesh can still be read.
     assert_eq!(file.mesh(0).expect("the mesh is right").mesh.triangles.len(), 2);
-    match file.skin(0) {
+    match file.skin(0, None) {
         Ok(skin) => panic!("accepted: {skin:?}"),
         Err(error) => error.to_string(),
     }
@@ -224,7 +224,10 @@ fn a_primitive_without_influences_in_a_skinned_mesh_is_named() {
     let primitives = document.json["meshes"][0]["primitives"].as_array_mut().expect("a list");
     primitives.push(primitive(lone, None, &[lift]));
     let (_directory, file) = document.open().expect("the file itself is right");
-    let message = file.skin(0).expect_err("half of it has no influences").to_string();
+    let message = file
+        .skin(0, None)
+        .expect_err("half of it has no influences")
+        .to_string();
     assert!(message.contains("primitive 1 has no JOINTS_0 attribute"), "{message}");
 }
 
@@ -257,8 +260,8 @@ fn a_broken_clip_is_left_out_and_named() -> Result<(), ReadError> {
         let mut document = bound_square();
         spoil(&mut document);
         let (_directory, file) = document.open()?;
-        assert!(file.skin(0)?.is_some_and(|skin| skin.skeleton.clips.is_empty()));
-        let broken = file.joint_clips(0).broken;
+        assert!(file.skin(0, None)?.is_some_and(|skin| skin.skeleton.clips.is_empty()));
+        let broken = file.joint_clips(0, None).broken;
         assert_eq!(broken.len(), 1);
         let message = broken[0].to_string();
         assert!(
@@ -293,7 +296,7 @@ fn sizes_that_are_only_claimed_are_refused() {
         large["attributes"] = attributes;
         d.json["meshes"][0]["primitives"] = json!([large]);
     });
-    let error = file.skin(0).expect_err("1.4 GB");
+    let error = file.skin(0, None).expect_err("1.4 GB");
     assert_eq!(error.remedy(), Some(Remedy::MoreMemory), "{error}");
 
     let (_directory, file) = claims(|d| {
@@ -301,7 +304,7 @@ fn sizes_that_are_only_claimed_are_refused() {
         accessors.push(json!({"componentType": F32, "type": "MAT4", "count": 99_000_000}));
         d.json["skins"][0]["inverseBindMatrices"] = json!(d.list("accessors").len() - 1);
     });
-    let error = file.skin(0).expect_err("6 GB");
+    let error = file.skin(0, None).expect_err("6 GB");
     assert_eq!(error.remedy(), Some(Remedy::MoreMemory), "{error}");
 
     let (_directory, file) = claims(|d| {
@@ -314,7 +317,7 @@ fn sizes_that_are_only_claimed_are_refused() {
             "samplers": [{"input": input, "output": input + 1}],
         }));
     });
-    let broken = file.joint_clips(0).broken;
+    let broken = file.joint_clips(0, None).broken;
     assert_eq!(
         broken.iter().map(ReadError::remedy).collect::<Vec<_>>(),
         [Some(Remedy::MoreMemory)]

@@ -15,7 +15,7 @@ fn a_channel_without_a_node_is_passed_over() -> Result<(), ReadError> {
     channels.insert(0, channel);
     let (_directory, file) = document.open()?;
     assert_eq!(file.mesh(0)?.mesh.triangles.len(), 2);
-    let clips = file.clips(0, 1);
+    let clips = file.clips(0, None, 1);
     assert_eq!(
         (clips.clips.len(), clips.broken.len(), file.stray_animations().len()),
         (1, 0, 0)
@@ -34,7 +34,7 @@ fn a_broken_animation_leaves_the_meshes_and_the_other_animations() -> Result<(),
         json!({"channels": [{"sampler": 0}, {"sampler": 5, "target": {"node": 0, "path": "weights"}}]}),
     );
     let (_directory, file) = document.open()?;
-    let clips = file.clips(0, 1);
+    let clips = file.clips(0, None, 1);
     assert_eq!((clips.clips.len(), clips.broken.len()), (1, 1));
     assert!(
         clips.broken[0].to_string().contains("animation 0"),

@@ -1,6 +1,7 @@
 use super::{AccessorProblem, Remedy};
 use crate::gltf_read::document::ElementError;
 use crate::memory::OverBudget;
+use crate::printable::Printable;
 
 /// A problem with an animation of weights or joints.
 #[derive(Debug, PartialEq, thiserror::Error)]
@@ -35,6 +36,14 @@ pub enum AnimationProblem {
         target: usize,
         /// The tangent.
         tangent: f32,
+    },
+    /// A channel animates a part of the file that this reader does not animate.
+    #[error("channel {channel} animates {}, which is not applied", Printable(pointer))]
+    NotApplied {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The pointer to the part.
+        pointer: String,
     },
     /// A channel names a sampler, a node or a mesh that does not exist.
     #[error("channel {channel} refers to a {what} that does not exist")]

@@ -5,6 +5,7 @@ mod animation;
 mod buffer;
 mod compression;
 mod mesh;
+mod node;
 mod skin;
 
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ pub use self::animation::AnimationProblem;
 pub use self::buffer::{BufferFault, BufferProblem};
 pub use self::compression::CompressionFault;
 pub use self::mesh::MeshProblem;
+pub use self::node::NodeProblem;
 pub use self::skin::SkinProblem;
 
 /// Why a file could not be read.
@@ -89,6 +91,28 @@ pub enum ReadError {
         /// The problem.
         problem: Box<SkinProblem>,
     },
+    /// A scene is broken.
+    #[error("{}: scene {scene} {problem}", path.display())]
+    Scene {
+        /// The file.
+        path: PathBuf,
+        /// The scene's index in the file.
+        scene: usize,
+        /// The problem.
+        problem: ElementError,
+    },
+    /// A node that shows a mesh is broken.
+    #[error("{}: node {node} \"{}\": {problem}", path.display(), Printable(name))]
+    Node {
+        /// The file.
+        path: PathBuf,
+        /// The node's index in the file.
+        node: usize,
+        /// The node's name, or its default name.
+        name: String,
+        /// The problem.
+        problem: Box<NodeProblem>,
+    },
     /// An animation is broken.
     #[error("{}: animation {animation} \"{}\": {problem}", path.display(), Printable(name))]
     Animation {
@@ -132,6 +156,8 @@ impl ReadError {
             Self::Mesh { problem, .. } => problem.remedy(),
             Self::Animation { problem, .. } => problem.remedy(),
             Self::Skin { problem, .. } => problem.remedy(),
+            Self::Node { problem, .. } => problem.remedy(),
+            Self::Scene { problem, .. } => problem.remedy(),
             Self::Io { .. } | Self::NotGltf { .. } | Self::Extension { .. } => None,
         }
     }

@@ -25,6 +25,7 @@ mod blame;
 mod cast;
 mod clips;
 mod depth;
+mod drawn_args;
 mod error;
 mod export;
 mod guides;

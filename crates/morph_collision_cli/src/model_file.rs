@@ -94,7 +94,7 @@ impl FileArgs {
     ) -> Result<(GltfFile, usize, MorphMesh), CliError> {
         let file = self.open(model)?;
         let index = mesh.find(&file).map_err(|reason| CliError::Flag { flag, reason })?;
-        let mesh = read_mesh(&file, index)?;
+        let mesh = read_mesh(&file, index, None)?;
         Ok((file, index, mesh))
     }
 
@@ -180,15 +180,28 @@ fn in_all(count: usize) -> String {
     }
 }
 
-/// Reads a mesh that takes part in collisions, with its skin but without the clips of its weights and its default weights.
-pub(crate) fn read_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
+/// Reads a mesh that takes part in collisions, as a node shows it, or else its main node: with its skin and its default weights, but without
+/// the clips of its weights.
+pub(crate) fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> Result<MorphMesh, CliError> {
     let found = file.mesh(index)?;
     found
         .check_triangles()
         .map_err(|reason| mesh_error(file, index, reason))?;
     let mut mesh = found.mesh;
-    mesh.skin = file.skin(index)?;
+    show_with(file, index, node, &mut mesh)?;
     Ok(mesh)
+}
+
+/// Gives a mesh the skin and the default weights with which a node shows it.
+pub(crate) fn show_with(
+    file: &GltfFile,
+    index: usize,
+    node: Option<usize>,
+    mesh: &mut MorphMesh,
+) -> Result<(), CliError> {
+    mesh.skin = file.skin(index, node)?;
+    mesh.default_weights = file.default_weights(index, node, mesh.targets.len())?;
+    Ok(())
 }
 
 /// Counts `bytes` for data derived from a mesh against the file's memory budget.
@@ -202,9 +215,15 @@ pub(crate) fn count_memory(
     taken.map_err(|over| mesh_error(file, index, over.into()))
 }
 
-/// Adds the clips of a mesh. All of them have to be valid.
-pub(crate) fn read_clips(file: &GltfFile, index: usize, mesh: &mut MorphMesh) -> Result<(), CliError> {
-    let clips = file.clips(index, mesh.targets.len());
+/// Adds the clips of the weights of a mesh, as a node shows it, or else its main node. All of them have to be valid.
+pub(crate) fn read_clips(
+    file: &GltfFile,
+    index: usize,
+    node: Option<usize>,
+    mesh: &mut MorphMesh,
+) -> Result<(), CliError> {
+    let node = node.or_else(|| file.main_node(index));
+    let clips = file.clips(index, node, mesh.targets.len());
     if let Some(broken) = clips.broken.into_iter().next() {
         return Err(broken.into());
     }

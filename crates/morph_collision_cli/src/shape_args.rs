@@ -124,10 +124,9 @@ impl ShapeArgs {
     pub(crate) fn read(&self, model: &Path, files: &FileArgs) -> Result<ShapedMesh, CliError> {
         let (file, index, mut mesh) = files.open_mesh(model, &self.mesh, "--mesh")?;
         count_memory(&file, index, mesh.tree_bytes(), || "its tree".into())?;
-        mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
         let mut clips = ClipChoice::default();
         if let Some(name) = &self.clip {
-            read_clips(&file, index, &mut mesh)?;
+            read_clips(&file, index, None, &mut mesh)?;
             clips = ClipChoice::find(name, &file, &mesh, None)
                 .map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
         }

@@ -82,7 +82,7 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, entrants: &[Entrant]) 
     for error in errors {
         output::complain(format_args!("warning: passed over: {error}"));
     }
-    let mut mesh = read_mesh(&file, index)?;
+    let mut mesh = read_mesh(&file, index, None)?;
     let bodies = u64::from(args.bodies);
     let of_method = |entrant: &Entrant| {
         if entrant.is_paper() {
@@ -97,7 +97,7 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, entrants: &[Entrant]) 
     count_memory(&file, index, bytes, || {
         format!("its trees for {bodies} bodies and {} methods", entrants.len())
     })?;
-    read_clips(&file, index, &mut mesh)?;
+    read_clips(&file, index, None, &mut mesh)?;
     Ok(BenchScene {
         experiment: Experiment::of_model(name, mesh, usize::from(args.bodies), usize::from(args.every)),
         origin: model.display().to_string(),

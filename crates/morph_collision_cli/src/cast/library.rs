@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
+use glam::Affine3A;
 use morph_collision_testkit::gltf_read::GltfFile;
 use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::mesh::MorphMesh;
@@ -28,7 +29,10 @@ pub(super) struct Library<'a> {
     pub(super) meshes: Vec<MorphMesh>,
     /// For each mesh, how the node moves that shows it, if one is named.
     pub(super) placements: Vec<Option<Skeleton>>,
+    /// For each mesh, where the instances of that node are in its space; read when a body names one.
+    instances: Vec<Option<Vec<Affine3A>>>,
     origins: Vec<Origin>,
+    known: HashMap<Origin, usize>,
     /// For each mesh, whether its weight clips have been read.
     has_clips: Vec<bool>,
 }
@@ -41,7 +45,9 @@ impl<'a> Library<'a> {
             files: HashMap::new(),
             meshes: Vec::new(),
             placements: Vec::new(),
+            instances: Vec::new(),
             origins: Vec::new(),
+            known: HashMap::new(),
             has_clips: Vec::new(),
         }
     }
@@ -52,7 +58,7 @@ impl<'a> Library<'a> {
         // A path that cannot be resolved cannot be opened either, and opening it says why.
         let real = model.canonicalize().unwrap_or_else(|_| model.clone());
         let origin = (real.clone(), spec.mesh, spec.node);
-        if let Some(known) = self.origins.iter().position(|known| *known == origin) {
+        if let Some(&known) = self.known.get(&origin) {
             return Ok(known);
         }
         let file = match self.files.entry(real) {
@@ -68,8 +74,6 @@ impl<'a> Library<'a> {
         if index >= count {
             return Err(wrong(format!("{} has no mesh {index}, only {count}", model.display())));
         }
-        let mut mesh = read_mesh(file, index)?;
-        mesh.default_weights = file.default_weights(index, spec.node, mesh.targets.len())?;
         let mut placement = None;
         if let Some(node) = spec.node {
             if !file.nodes_of(index).any(|shows| shows == node) {
@@ -84,22 +88,60 @@ impl<'a> Library<'a> {
                     "node {node} of {model} does not show mesh {index}; these nodes do: {nodes}"
                 )));
             }
-            if mesh.skin.is_none() {
-                placement = Some(file.placement(index, node)?);
-            }
+        }
+        let mesh = read_mesh(file, index, spec.node)?;
+        if let (Some(node), None) = (spec.node, &mesh.skin) {
+            placement = Some(file.placement(index, node)?);
         }
         self.meshes.push(mesh);
         self.placements.push(placement);
+        self.instances.push(None);
+        self.known.insert(origin.clone(), self.origins.len());
         self.origins.push(origin);
         self.has_clips.push(false);
         Ok(self.meshes.len() - 1)
     }
 
+    /// Where a body is in the space of the node that shows its mesh. Errors name `scene` and `body`.
+    pub(super) fn instance(
+        &mut self,
+        scene: &Path,
+        body: usize,
+        mesh: usize,
+        spec: &SceneBody,
+    ) -> Result<Affine3A, CliError> {
+        let Some(instance) = spec.instance else {
+            return Ok(Affine3A::IDENTITY);
+        };
+        let wrong = |reason: String| CliError::SceneBody {
+            scene: scene.into(),
+            body,
+            reason,
+        };
+        let Some(node) = spec.node else {
+            return Err(wrong(
+                "\"instance\" has no effect without \"node\"; add a node, or remove it".to_owned(),
+            ));
+        };
+        let (path, slot) = (&self.origins[mesh].0, &mut self.instances[mesh]);
+        if let (None, Some(file)) = (&slot, self.files.get(path)) {
+            *slot = file.instances(node)?;
+        }
+        let instances = slot.as_deref().unwrap_or_default();
+        instances.get(instance).copied().ok_or_else(|| {
+            let count = instances.len();
+            let model = spec.model.display();
+            wrong(format!(
+                "node {node} of {model} has no instance {instance}; it has {count}"
+            ))
+        })
+    }
+
     /// Reads the clips of a mesh's weights, unless that was done before.
     pub(super) fn read_clips(&mut self, mesh: usize) -> Result<(), CliError> {
-        let (path, index, _) = &self.origins[mesh];
+        let (path, index, node) = &self.origins[mesh];
         if let (false, Some(file)) = (self.has_clips[mesh], self.files.get(path)) {
-            read_clips(file, *index, &mut self.meshes[mesh])?;
+            read_clips(file, *index, *node, &mut self.meshes[mesh])?;
             self.has_clips[mesh] = true;
         }
         Ok(())

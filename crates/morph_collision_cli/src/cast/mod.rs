@@ -43,6 +43,8 @@ pub(crate) struct Cast<B> {
     pub(crate) meshes: Vec<MorphMesh>,
     /// For each mesh, how the node moves that shows it, if the scene names one.
     placements: Vec<Option<Skeleton>>,
+    /// Where each body is in the space of the node that shows its mesh.
+    instances: Vec<Affine3A>,
     /// The index of each body's mesh.
     pub(crate) mesh_of_body: Vec<usize>,
     /// One state per body in every frame.
@@ -79,8 +81,11 @@ impl<B> Cast<B> {
     ) -> Result<Self, CliError> {
         let mut library = Library::new(files);
         let mut of_bodies = Vec::with_capacity(scene.bodies.len());
+        let mut instances = Vec::with_capacity(scene.bodies.len());
         for (body, spec) in scene.bodies.iter().enumerate() {
-            of_bodies.push(library.mesh(path, body, spec)?);
+            let mesh = library.mesh(path, body, spec)?;
+            instances.push(library.instance(path, body, mesh, spec)?);
+            of_bodies.push(mesh);
         }
         library.count_memory(&of_bodies, options)?;
         progress::doing(format!("building the trees of {}", library.contents()));
@@ -106,6 +111,7 @@ impl<B> Cast<B> {
             names,
             meshes: library.meshes,
             placements: library.placements,
+            instances,
             mesh_of_body: of_bodies,
             frames,
         })
@@ -119,19 +125,18 @@ impl<B> Cast<B> {
     /// The shape of a body in a frame. Values from clips are computed here because storing them would take far more memory than a
     /// scene's file.
     pub(crate) fn shape(&self, frame: usize, body: usize) -> Shape {
-        let state = &self.frames[frame][body];
-        let placement = self.placements[self.mesh_of_body[body]].as_ref();
-        self.shape_of(state, self.mesh(body), placement)
+        self.shape_of(&self.frames[frame][body], body)
     }
 
     /// The shape of a body while nothing moves it, where it stands in a frame.
     pub(crate) fn at_rest(&self, frame: usize, body: usize) -> Shape {
         let state = BodyState::at_rest(self.frames[frame][body].world_from_model);
-        let placement = self.placements[self.mesh_of_body[body]].as_ref();
-        self.shape_of(&state, self.mesh(body), placement)
+        self.shape_of(&state, body)
     }
 
-    fn shape_of(&self, state: &BodyState, mesh: &MorphMesh, placement: Option<&Skeleton>) -> Shape {
+    fn shape_of(&self, state: &BodyState, body: usize) -> Shape {
+        let mesh = self.mesh(body);
+        let placement = self.placements[self.mesh_of_body[body]].as_ref();
         let joints = mesh.skin.as_ref().map(|skin| {
             let clip = state.clips.joints.map(|clip| &skin.skeleton.clips[clip]);
             placed(
@@ -146,7 +151,7 @@ impl<B> Cast<B> {
         Shape {
             weights: state.weights(mesh),
             joints,
-            world_from_model: state.world_from_model * node.unwrap_or(Affine3A::IDENTITY),
+            world_from_model: state.world_from_model * node.unwrap_or(Affine3A::IDENTITY) * self.instances[body],
         }
     }
 }

@@ -19,6 +19,7 @@ use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 use serde::Serialize;
 
 use crate::cast::Cast;
+use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD};
 use crate::output;
@@ -45,10 +46,12 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ExportArgs {
-    /// A .glb or .gltf file, or a scene file (.json). With --mesh all, all meshes of a model are written, where its nodes put them.
+    /// A .glb or .gltf file, or a scene file (.json). With --mesh all, all that a model draws is written, where its nodes put it.
     input: PathBuf,
     #[command(flatten)]
     shape: ShapeArgs,
+    #[command(flatten)]
+    drawn: DrawnArgs,
     /// The frame of a scene, counted from 0; the first one by default.
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
@@ -209,6 +212,7 @@ impl ExportArgs {
                 let reason = "a scene file already says what its bodies do; choose one with --frame".to_owned();
                 return Err(CliError::Flag { flag, reason });
             }
+            self.drawn.refuse("a scene file already says what its bodies are")?;
             return Ok((self.files.read_scene(&self.input)?, self.frame.unwrap_or(0)));
         }
         if self.frame.is_some() {
@@ -233,7 +237,11 @@ impl ExportArgs {
                 reason: "a model to export cannot come from standard input; give a file's name".to_owned(),
             });
         }
-        let (file, found) = candidates(&spec, all, &self.files)?;
+        if !all {
+            self.drawn
+                .refuse("one mesh is written; --mesh all writes all that is drawn")?;
+        }
+        let (file, found) = candidates(&spec, all, &self.drawn, &self.files)?;
         let mut states = self.weights(&found)?;
         if let Some(name) = &self.shape.clip {
             let clips: Vec<_> = found.iter().map(|candidate| candidate.clip(&file, name)).collect();
@@ -275,7 +283,7 @@ impl ExportArgs {
             let mut complaint = None;
             let mut is_known = false;
             for (candidate, state) in found.iter().zip(&mut states) {
-                match TargetNames::new(&candidate.mesh.target_names).targets(&alone) {
+                match TargetNames::new(candidate.target_names()).targets(&alone) {
                     Ok(_) => {
                         is_known = true;
                         match &mut state.weights {
@@ -285,7 +293,7 @@ impl ExportArgs {
                     }
                     Err(error) => {
                         // The mesh with the most targets has the best suggestion.
-                        let targets = candidate.mesh.targets.len();
+                        let targets = candidate.target_names().len();
                         if complaint.as_ref().is_none_or(|(most, _)| *most < targets) {
                             complaint = Some((targets, error.to_string()));
                         }

@@ -36,7 +36,11 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
             let found = choice.find(file);
             vec![found.map_err(|reason| CliError::Flag { flag: "--mesh", reason })?]
         }
-        None => (0..file.mesh_count()).collect(),
+        None => {
+            let mut drawn: Vec<usize> = args.drawn.drawn(file)?.iter().map(|drawn| drawn.mesh).collect();
+            drawn.dedup();
+            drawn
+        }
     };
     let garment = args.garment.as_ref();
     let garment = garment.map(|path| Garment::read(args, path, file)).transpose()?;
@@ -68,9 +72,8 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
 }
 
 fn subject(file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<Subject, CliError> {
-    let mut mesh = read_mesh(file, index)?;
-    mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
-    read_clips(file, index, &mut mesh)?;
+    let mut mesh = read_mesh(file, index, None)?;
+    read_clips(file, index, None, &mut mesh)?;
     let mut subject = Subject {
         index,
         own_targets: mesh.targets.len(),
@@ -130,8 +133,7 @@ impl Garment {
             flag: "--garment-mesh",
             reason,
         })?;
-        let mut mesh = read_mesh(&file, index)?;
-        mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
+        let mesh = read_mesh(&file, index, None)?;
         let materials = file.material_names(index);
         let material = |primitive: usize| match materials.get(primitive) {
             Some(Some(material)) => format!("{} {material}", mesh.name),

@@ -27,6 +27,7 @@ use std::path::PathBuf;
 use clap::Args;
 use morph_collision_testkit::gltf_read::GltfFile;
 
+use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD};
 use crate::output_file::OutputFile;
@@ -56,7 +57,7 @@ const EXAMPLES: &str = "Examples:
 
 /// Find the weights with which a mesh runs into itself.
 ///
-/// Every mesh is tried with each target alone, in every frame of all clips that move it, and with random mixtures of targets; with --pairs
+/// Every mesh that is drawn is tried with each target alone, in every frame of all clips that move it, and with random mixtures of targets; with --pairs
 /// and --capture, also with two targets together and with recorded weights. Pairs of triangles that touch at rest are not reported, and
 /// neither are triangles that share a vertex. Of two targets together, only what neither does alone is reported.
 ///
@@ -74,6 +75,8 @@ pub(crate) struct LintArgs {
     /// Try only this mesh: its index in the file, or its name.
     #[arg(long, value_name = "MESH")]
     mesh: Option<MeshChoice>,
+    #[command(flatten)]
+    drawn: DrawnArgs,
     /// Also try all pairs of targets, each at weights of 0.5 and 1.
     #[arg(long)]
     pairs: bool,
@@ -144,6 +147,10 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
     let baseline = baseline
         .map(|path| Baseline::read(path, args.files.memory_limit()))
         .transpose()?;
+    if args.mesh.is_some() {
+        args.drawn
+            .refuse("--mesh names a mesh, which is taken wherever it is")?;
+    }
     let file = args.files.open(&args.model)?;
     let mut inputs: Vec<PathBuf> = file.files();
     inputs.extend(args.capture.iter().chain(&args.garment).cloned());

@@ -1,16 +1,19 @@
 //! Builds scenes from model files: bodies, clips, placements and times.
 
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
-use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::gltf_read::{Drawn, Extent, GltfFile};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_testkit::skeleton::Skeleton;
 
 use crate::clips::{ClipChoice, clip_names};
+use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD, read_clips, read_mesh};
+use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_clips, read_mesh, show_with};
 use crate::output;
 
 /// A model file and which of its meshes: `FILE`, `FILE#MESH` or `FILE#all`.
@@ -24,7 +27,7 @@ pub(crate) struct ModelSpec {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Meshes {
     One(MeshChoice),
-    /// All that can collide.
+    /// All that are drawn and can collide.
     All,
 }
 
@@ -43,114 +46,175 @@ impl ModelSpec {
     }
 }
 
+/// Upper bound on the bytes of a body to be, beside what it shares with others.
+const BYTES_PER_CANDIDATE: u64 = 512;
+
 /// A body to be: a mesh of a file, as a node shows it.
 pub(crate) struct Candidate {
     pub(crate) body: SceneBody,
-    pub(crate) mesh: MorphMesh,
+    /// Shared by the instances of a node.
+    shown: Rc<Shown>,
+}
+
+/// A mesh as a node shows it.
+struct Shown {
+    /// Only its names, its clips and its skeleton; the bodies of a command are read anew.
+    mesh: MorphMesh,
     placement: Option<Skeleton>,
     /// The names of the animations that move it.
     clips: Vec<String>,
 }
 
 impl Candidate {
+    /// The names of its targets.
+    pub(crate) fn target_names(&self) -> &[String] {
+        &self.shown.mesh.target_names
+    }
+
     /// The animations that move it.
     pub(crate) fn clips(&self) -> &[String] {
-        &self.clips
+        &self.shown.clips
     }
 
     /// The length of a loop of one of its clips in seconds, and the clip's name; `None` if it has no such clip.
     pub(crate) fn clip(&self, file: &GltfFile, name: &str) -> Result<(String, f32), String> {
-        let choice = ClipChoice::find(name, file, &self.mesh, self.placement.as_ref())?;
-        Ok((name.to_owned(), choice.duration(&self.mesh, self.placement.as_ref())))
+        let Shown { mesh, placement, .. } = &*self.shown;
+        let choice = ClipChoice::find(name, file, mesh, placement.as_ref())?;
+        Ok((name.to_owned(), choice.duration(mesh, placement.as_ref())))
     }
 }
 
-/// The bodies of a model's file. With `nodes`, there is one body for each node that shows a mesh, and it stands where the node does;
-/// otherwise one for each mesh, in its own space.
+/// The bodies of a model's file. With `nodes`, there is one body for each node that shows a mesh, and for each of its instances, and it stands
+/// where the node does. Otherwise a mesh without joints is one body, in its own space.
 pub(crate) fn candidates(
     spec: &ModelSpec,
     nodes: bool,
+    drawn: &DrawnArgs,
     files: &FileArgs,
 ) -> Result<(GltfFile, Vec<Candidate>), CliError> {
     let file = files.open(&spec.file)?;
     let is_one = matches!(spec.meshes, Meshes::One(_));
-    let meshes = match &spec.meshes {
-        Meshes::One(mesh) => {
-            let index = mesh.find(&file);
-            vec![index.map_err(|reason| CliError::NoUsableMesh {
-                file: spec.file.clone(),
-                reason,
-            })?]
-        }
-        Meshes::All => (0..file.mesh_count()).collect(),
-    };
     let mut found = Vec::new();
-    for index in meshes {
-        // What is kept of a mesh is needed for names and lengths of clips only.
-        let mesh = match read_mesh(&file, index) {
-            Ok(mesh) => mesh,
+    let wanted = wanted(spec, nodes, drawn, &file)?;
+    if let Some(first) = wanted.first() {
+        let bytes = wanted.len() as u64 * BYTES_PER_CANDIDATE;
+        count_memory(&file, first.mesh, bytes, || {
+            format!("the {} bodies of the file", wanted.len())
+        })?;
+    }
+    for of_mesh in wanted.chunk_by(|a, b| a.mesh == b.mesh) {
+        match file.budget().lend(|| of_one_mesh(spec, nodes, &file, of_mesh)) {
+            Ok(bodies) => found.extend(bodies),
             Err(error) if is_one => return Err(error),
-            Err(error) => {
-                output::complain(format_args!("warning: left out: {error}"));
-                continue;
-            }
-        };
-        let mut shown: Vec<Option<usize>> = file.nodes_of(index).map(Some).collect();
-        if !nodes || shown.is_empty() {
-            shown = vec![None];
-        } else if mesh.skin.is_some() {
-            // Joints place a skinned mesh, so all nodes that show it with its skin show the same.
-            shown.truncate(1);
-        }
-        for node in shown {
-            let mut mesh = mesh.clone();
-            mesh.default_weights = file.default_weights(index, node, mesh.targets.len())?;
-            read_clips(&file, index, &mut mesh)?;
-            let placement = match node {
-                Some(node) if mesh.skin.is_none() => Some(file.placement(index, node)?),
-                _ => None,
-            };
-            let body = SceneBody {
-                model: spec.file.clone(),
-                mesh: index,
-                node: node.filter(|_| placement.is_some()),
-                name: Some(node.map_or_else(|| mesh.name.clone(), |node| file.node_name(node))),
-                comment: None,
-            };
-            let clips = clip_names(&file, &mesh, placement.as_ref());
-            found.push(Candidate {
-                body,
-                mesh,
-                placement,
-                clips,
-            });
+            Err(error) => output::complain(format_args!("warning: left out: {error}")),
         }
     }
     if found.is_empty() {
         return Err(CliError::NoUsableMesh {
             file: spec.file.clone(),
-            reason: "it has no mesh that can collide".to_owned(),
+            reason: "it draws no mesh that can collide".to_owned(),
         });
     }
     Ok((file, found))
 }
 
+/// What is taken of a file, in the order of meshes.
+fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> Result<Vec<Drawn>, CliError> {
+    let alone = |mesh: usize, node: Option<usize>| Drawn {
+        mesh,
+        node,
+        instance: None,
+    };
+    let Meshes::One(choice) = &spec.meshes else {
+        return drawn.drawn(file);
+    };
+    let mesh = choice.find(file).map_err(|reason| CliError::NoUsableMesh {
+        file: spec.file.clone(),
+        reason,
+    })?;
+    if !nodes {
+        return Ok(vec![alone(mesh, None)]);
+    }
+    let of_mesh = |extent| -> Result<Vec<Drawn>, CliError> {
+        let mut drawn = file.drawing(extent)?.drawn;
+        drawn.retain(|drawn| drawn.mesh == mesh);
+        Ok(drawn)
+    };
+    let mut wanted = of_mesh(Extent::DefaultScene)?;
+    if wanted.is_empty() {
+        wanted = of_mesh(Extent::Everything)?;
+    }
+    if wanted.is_empty() {
+        wanted.push(alone(mesh, None));
+    }
+    Ok(wanted)
+}
+
+/// The bodies of a mesh, read once.
+fn of_one_mesh(spec: &ModelSpec, nodes: bool, file: &GltfFile, of_mesh: &[Drawn]) -> Result<Vec<Candidate>, CliError> {
+    let index = of_mesh[0].mesh;
+    let mut mesh = read_mesh(file, index, of_mesh[0].node)?;
+    // Only names, clips and skeletons are needed.
+    mesh.positions = Vec::new();
+    mesh.triangles = Vec::new();
+    mesh.targets.iter_mut().for_each(|target| *target = Vec::new());
+    let mut found: Vec<Candidate> = Vec::new();
+    let mut rigid = None;
+    for &Drawn { node, instance, .. } in of_mesh {
+        if let (Some(last), Some(1..)) = (found.last(), instance) {
+            let mut body = last.body.clone();
+            body.instance = instance;
+            let shown = Rc::clone(&last.shown);
+            found.push(Candidate { body, shown });
+            continue;
+        }
+        let mut mesh = mesh.clone();
+        show_with(file, index, node, &mut mesh)?;
+        if mesh.skin.is_none() && !nodes && rigid.replace(index).is_some() {
+            continue;
+        }
+        if let Some(skin) = &mut mesh.skin {
+            skin.sets = Vec::new();
+        }
+        read_clips(file, index, node, &mut mesh)?;
+        let is_placed = nodes && mesh.skin.is_none();
+        let placement = node.filter(|_| is_placed);
+        let placement = placement.map(|node| file.placement(index, node)).transpose()?;
+        let is_named = nodes || (mesh.skin.is_some() && of_mesh.len() > 1);
+        let node = node.filter(|_| is_named);
+        let body = SceneBody {
+            model: spec.file.clone(),
+            mesh: index,
+            node,
+            instance: instance.filter(|_| is_placed),
+            name: Some(node.map_or_else(|| mesh.name.clone(), |node| file.node_name(node))),
+            comment: None,
+        };
+        let clips = clip_names(file, &mesh, placement.as_ref());
+        let shown = Rc::new(Shown { mesh, placement, clips });
+        found.push(Candidate { body, shown });
+    }
+    Ok(found)
+}
+
 /// Makes names unique by adding numbers, so that reports can refer to bodies by name.
 pub(crate) fn number_names(bodies: &mut [SceneBody]) {
-    for index in 1..bodies.len() {
-        let (before, rest) = bodies.split_at_mut(index);
-        let Some(name) = rest[0].name.clone() else { continue };
-        let same = before.iter().filter(|body| {
-            let other = body.name.as_deref().unwrap_or_default();
-            other == name
-                || other
-                    .strip_suffix(')')
-                    .is_some_and(|start| start.starts_with(&format!("{name} (")))
-        });
-        let same = same.count();
-        if same > 0 {
-            rest[0].name = Some(format!("{name} ({})", same + 1));
+    let mut taken: HashSet<String> = HashSet::new();
+    let mut next: HashMap<String, usize> = HashMap::new();
+    for body in bodies {
+        let Some(name) = body.name.clone() else { continue };
+        if taken.insert(name.clone()) {
+            continue;
         }
+        let number = next.entry(name.clone()).or_insert(2);
+        let numbered = loop {
+            let numbered = format!("{name} ({number})");
+            *number += 1;
+            if taken.insert(numbered.clone()) {
+                break numbered;
+            }
+        };
+        body.name = Some(numbered);
     }
 }
 

@@ -13,6 +13,7 @@ use clap::Args;
 use morph_collision_testkit::scenes::{BodyState, Scene};
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
+use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD, has_extension};
 use crate::output;
@@ -26,7 +27,7 @@ const EXAMPLES: &str = "Examples:
     morph-collide scene hero.glb villain.glb --clip walk --place 0,0,0 --place x=1,turn-y=180 > fight.json
   A sword that passes through a body in 60 frames:
     morph-collide scene body.glb sword.glb --place 0,0,0 --place x=-2..2 --frames 60 > cut.json
-  All meshes of a file, where its nodes put them:
+  All that a file draws, where its nodes put it:
     morph-collide scene robot.glb#all --node-transforms --clip Dance > dance.json";
 
 /// Make a scene file from model files: one body per model, with clips, weights and placements.
@@ -36,7 +37,7 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct SceneArgs {
-    /// .glb or .gltf files. FILE#2 or FILE#NAME is another mesh than the first, and FILE#all is a body for every mesh.
+    /// .glb or .gltf files. FILE#2 or FILE#NAME is another mesh than the first, and FILE#all is a body for every mesh that is drawn.
     #[arg(required = true, value_name = "MODEL")]
     models: Vec<String>,
     /// The animation that bodies play: its name or its index. Give it once for all models, or once per model, with "" for none.
@@ -58,6 +59,8 @@ pub(crate) struct SceneArgs {
     /// joints is in its own space.
     #[arg(long)]
     node_transforms: bool,
+    #[command(flatten)]
+    drawn: DrawnArgs,
     /// Frames per second.
     #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = fps, allow_hyphen_values = true)]
     fps: f32,
@@ -92,6 +95,10 @@ const FRAMES_OF_PLACEMENTS: usize = 60;
 /// Reads the models, and writes the scene.
 pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     let models = models(args)?;
+    if models.iter().all(|spec| spec.meshes != Meshes::All) {
+        args.drawn
+            .refuse("each model is one mesh, which is taken wherever it is; write FILE#all for all that is drawn")?;
+    }
     let mut bodies = Vec::new();
     let mut clips = Vec::new();
     let mut states = Vec::new();
@@ -99,7 +106,7 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     let mut complaint = None;
     let mut inputs = Vec::new();
     for (model, spec) in models.iter().enumerate() {
-        let (file, found) = candidates(spec, args.node_transforms, &args.files)?;
+        let (file, found) = candidates(spec, args.node_transforms, &args.drawn, &args.files)?;
         inputs.extend(file.files());
         for candidate in found {
             let clip = match of_model(&args.clip, model).filter(|clip| !clip.is_empty()) {
@@ -192,8 +199,8 @@ fn state(args: &SceneArgs, model: usize, candidate: &Candidate) -> Result<(Weigh
         return Ok((WeightList::default(), place));
     };
     // Checked now, so that the scene can be used.
-    let names = TargetNames::new(&candidate.mesh.target_names);
-    let (targets, wrong) = (candidate.mesh.targets.len(), |reason: String| CliError::Flag {
+    let names = TargetNames::new(candidate.target_names());
+    let (targets, wrong) = (candidate.target_names().len(), |reason: String| CliError::Flag {
         flag: "--weights",
         reason: format!("{}: {reason}", candidate.body.model.display()),
     });

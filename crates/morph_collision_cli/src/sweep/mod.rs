@@ -13,6 +13,7 @@ use clap::Args;
 use morph_collision_testkit::scenes::Scene;
 
 use crate::cast::Cast;
+use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice};
 use crate::output_file::OutputFile;
@@ -36,7 +37,7 @@ const EXAMPLES: &str = "Examples:
 /// Play clips and report in which frames a mesh intersects itself or other meshes, how deep, and which targets and joints move the
 /// triangles that touch.
 ///
-/// Of a model, all meshes are used, where its nodes put them. `new` counts the pairs of triangles that do not touch at rest. `depth` is how
+/// Of a model, all meshes that are drawn are used, where its nodes put them. `new` counts the pairs of triangles that do not touch at rest. `depth` is how
 /// far two triangles, or two meshes, would have to move apart, in the file's unit. Targets are sorted by how far they move the touching
 /// vertices in that frame, and joints by their influence on them.
 #[derive(Debug, Args)]
@@ -50,6 +51,8 @@ pub(crate) struct SweepArgs {
     /// Use only this mesh of the model: its index in the file, or its name.
     #[arg(long, value_name = "MESH")]
     mesh: Option<MeshChoice>,
+    #[command(flatten)]
+    drawn: DrawnArgs,
     /// Frames per second; 30 by default. Clips are played as loops: their end counts as their beginning.
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f32>,
@@ -119,6 +122,8 @@ fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
     refuse("--clip", !args.clip.is_empty())?;
     refuse("--mesh", args.mesh.is_some())?;
     refuse("--fps", args.fps.is_some())?;
+    args.drawn
+        .refuse("a scene file already says what happens in every frame")?;
     let scene = args.files.read_scene(&args.input)?;
     let label = |states: &Vec<morph_collision_testkit::scenes::BodyState>| {
         let clip = states.iter().find_map(|state| state.clip.clone());
@@ -136,7 +141,11 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
         file: args.input.clone(),
         meshes,
     };
-    let (file, found) = candidates(&spec, true, &args.files)?;
+    if args.mesh.is_some() {
+        args.drawn
+            .refuse("--mesh names a mesh, which is taken wherever it is")?;
+    }
+    let (file, found) = candidates(&spec, true, &args.drawn, &args.files)?;
     let names = if args.clip.is_empty() {
         let moves = |name: &String| found.iter().any(|candidate| candidate.clips().contains(name));
         file.animation_names().into_iter().filter(moves).collect()

@@ -177,7 +177,7 @@ impl VerifyArgs {
         let (file, index, mut mesh) = self.files.open_mesh(model, mesh, flag)?;
         let trees = self.leaf_sizes().len() as u64 * mesh.tree_bytes();
         count_memory(&file, index, trees, || "its trees".into())?;
-        read_clips(&file, index, &mut mesh)?;
+        read_clips(&file, index, None, &mut mesh)?;
         Ok((index, mesh))
     }
 }

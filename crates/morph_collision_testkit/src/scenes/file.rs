@@ -81,9 +81,12 @@ pub struct SceneBody {
     #[serde(default, skip_serializing_if = "is_zero")]
     pub mesh: usize,
     /// The node of the model that shows the mesh. If it is given, a mesh without joints is first placed where the node is, at rest or as
-    /// a clip moves it, and the node's default weights count.
+    /// a clip moves it, and the node's skin, default weights and clips count.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<usize>,
+    /// Which of the node's instances.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instance: Option<usize>,
     /// A name, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,

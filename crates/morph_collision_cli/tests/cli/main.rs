@@ -4,6 +4,7 @@
 mod bad_input;
 mod bench;
 mod bombs;
+mod drawn;
 mod export;
 mod guides;
 mod inspect;

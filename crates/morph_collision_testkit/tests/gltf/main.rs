@@ -5,6 +5,7 @@ mod broken;
 mod compressed;
 mod reading;
 mod reference;
+mod scenes;
 mod skins;
 mod support;
 mod unused;

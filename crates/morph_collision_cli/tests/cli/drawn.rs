@@ -1,0 +1,143 @@
+//! Which of a file's meshes become bodies: those that the scene draws, once for each node and each instance.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::support::{TestResult, error_of, morph_collide, stdout_of, write_scene};
+
+fn data(name: &str) -> PathBuf {
+    let data = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../morph_collision_testkit/tests/gltf/data"
+    );
+    Path::new(data).join(name)
+}
+
+/// The bodies of `sweep`, its rows as bodies and pairs, and what it says on standard error.
+fn sweep(model: &str, options: &[&str]) -> Result<(Value, Vec<[u64; 3]>, String), Box<dyn std::error::Error>> {
+    let model = data(model);
+    let args = [&["sweep", "--json", model.to_str().ok_or("not UTF-8")?], options].concat();
+    let output = morph_collide(args)?;
+    let report: Value = serde_json::from_slice(&output.stdout)?;
+    let rows = report["rows"].as_array().ok_or("no rows")?;
+    let row = |row: &Value| ["body_a", "body_b", "pairs"].map(|key| row[key].as_u64().unwrap_or(u64::MAX));
+    let rows = rows.iter().map(row).collect();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    Ok((report["bodies"].clone(), rows, stderr))
+}
+
+#[test]
+fn meshes_that_the_scene_does_not_draw_are_left_out_and_it_is_said() -> TestResult {
+    let (bodies, rows, said) = sweep("mesh_without_a_node.glb", &[])?;
+    assert_eq!((&bodies, rows.len()), (&json!(["node_0"]), 0));
+    assert!(
+        said.contains("the scene does not draw 1 mesh; --all-meshes takes everything"),
+        "{said}"
+    );
+    let (bodies, rows, said) = sweep("mesh_without_a_node.glb", &["--all-meshes"])?;
+    assert_eq!(bodies, json!(["node_0", "no_node"]));
+    assert_eq!((&rows[..], &*said), (&[[0, 1, 18]][..], ""));
+    // A mesh that is named is taken wherever it is.
+    let (bodies, ..) = sweep("mesh_without_a_node.glb", &["--mesh", "no_node"])?;
+    assert_eq!(bodies, json!(["no_node"]));
+    Ok(())
+}
+
+#[test]
+fn every_node_that_draws_a_skinned_mesh_is_a_body() -> TestResult {
+    let (bodies, rows, _) = sweep("one_mesh_three_skins.glb", &[])?;
+    assert_eq!(bodies, json!(["limb0", "limb1", "limb2"]));
+    assert_eq!(rows, [[0, 1, 318]]);
+    // Without the transforms of nodes, too, because joints place them.
+    let model = format!("{}#all", data("one_mesh_three_skins.glb").display());
+    let scene: Value = serde_json::from_str(&stdout_of(&morph_collide(["scene", &model])?))?;
+    let nodes: Vec<&Value> = scene["bodies"]
+        .as_array()
+        .ok_or("no bodies")?
+        .iter()
+        .map(|body| &body["node"])
+        .collect();
+    assert_eq!(nodes, [1, 3, 5]);
+    Ok(())
+}
+
+#[test]
+fn every_instance_is_a_body() -> TestResult {
+    let (bodies, rows, _) = sweep("gpu_instancing.glb", &[])?;
+    assert_eq!(bodies, json!(["node_0", "node_0 (2)", "node_0 (3)"]));
+    assert_eq!(rows, [[0, 1, 12]]);
+    let dir = tempfile::tempdir()?;
+    let body = |instance: Value| {
+        let mut body = json!({"model": data("gpu_instancing.glb"), "node": 0, "instance": instance});
+        body.as_object_mut()
+            .into_iter()
+            .for_each(|body| body.retain(|_, value| !value.is_null()));
+        body
+    };
+    let run = |bodies: Value| {
+        let scene = json!({"bodies": bodies, "frames": [[{}, {}]]});
+        let scene = write_scene(dir.path(), &scene).map_err(|error| error.to_string())?;
+        morph_collide(["run".as_ref(), scene.as_os_str()]).map_err(|error| error.to_string())
+    };
+    let text = stdout_of(&run(json!([body(json!(0)), body(json!(1))]))?);
+    assert!(text.contains("triangle pairs      12 over all frames"), "{text}");
+    let error = error_of(&run(json!([body(json!(0)), body(json!(3))]))?);
+    assert!(error.contains("has no instance 3; it has 3"), "{error}");
+    let mut without_node = body(json!(1));
+    without_node.as_object_mut().ok_or("an object")?.remove("node");
+    let error = error_of(&run(json!([body(json!(0)), without_node]))?);
+    assert!(error.contains("\"instance\" has no effect without \"node\""), "{error}");
+    Ok(())
+}
+
+#[test]
+fn a_clip_moves_only_the_node_that_it_animates() -> TestResult {
+    let dir = tempfile::tempdir()?;
+    let out = dir.path().join("posed.obj");
+    let model = data("clip_animates_second_node.glb");
+    let args = ["--mesh", "all", "--clip", "clip", "--time", "0.5", "--output"].map(AsRef::as_ref);
+    let args = [&["export".as_ref(), model.as_os_str()], &args[..], &[out.as_os_str()]].concat();
+    stdout_of(&morph_collide(args)?);
+    let obj = std::fs::read_to_string(&out)?;
+    let mut ends = [f32::NEG_INFINITY; 2];
+    for line in obj.lines().filter_map(|line| line.strip_prefix("v ")) {
+        let numbers: Vec<f32> = line.split(' ').flat_map(str::parse).collect();
+        // The second node is 5 higher.
+        let end = &mut ends[usize::from(numbers[1] > 2.5)];
+        *end = end.max(numbers[0]);
+    }
+    assert_eq!(ends, [0.5, 1.5]);
+    Ok(())
+}
+
+#[test]
+fn a_scene_that_does_not_exist_is_an_error_with_a_hint() -> TestResult {
+    let model = data("gpu_instancing.glb");
+    for command in ["sweep", "lint"] {
+        let args = [
+            command.as_ref(),
+            model.as_os_str(),
+            "--scene".as_ref(),
+            "scen_0".as_ref(),
+        ];
+        let error = error_of(&morph_collide(args)?);
+        assert!(
+            error.contains("has no scene \"scen_0\"; did you mean \"scene_0\"?; it has 1 scene"),
+            "{error}"
+        );
+        let args = [&args[..], &["--all-meshes".as_ref()]].concat();
+        assert_eq!(morph_collide(args)?.status.code(), Some(2));
+    }
+    let args = [
+        "sweep".as_ref(),
+        model.as_os_str(),
+        "--scene".as_ref(),
+        "0".as_ref(),
+        "--mesh".as_ref(),
+        "0".as_ref(),
+    ];
+    let error = error_of(&morph_collide(args)?);
+    assert!(error.contains("--scene: --mesh names a mesh"), "{error}");
+    Ok(())
+}

@@ -66,6 +66,7 @@ impl FileArgs {
         let options = ReadOptions {
             memory_limit: self.memory_limit(),
             any_path: self.allow_any_path,
+            ..ReadOptions::default()
         };
         if model == Path::new(STANDARD) {
             progress::doing("reading a model from standard input");

@@ -47,7 +47,7 @@ impl Lint {
         progress::doing(format!("reading {}", name.display()));
         let options = ReadOptions {
             memory_limit,
-            any_path: false,
+            ..ReadOptions::default()
         };
         let file = GltfFile::parse(bytes, name, &options)?;
         let report = report_of(&self.args(name.to_owned()), &file)?;

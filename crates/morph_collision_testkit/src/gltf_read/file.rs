@@ -22,6 +22,9 @@ pub struct ReadOptions {
     /// Allows devices and pipes, and buffers outside the model's directory. Off by default. Nothing is ever fetched from a
     /// network.
     pub any_path: bool,
+    /// Reads a mesh with bad parts without them, instead of refusing it, and counts them ([`Skipped`](super::Skipped)). Off by
+    /// default.
+    pub skip_bad: bool,
 }
 
 impl Default for ReadOptions {
@@ -29,6 +32,7 @@ impl Default for ReadOptions {
         Self {
             memory_limit: memory::DEFAULT_LIMIT,
             any_path: false,
+            skip_bad: false,
         }
     }
 }
@@ -44,6 +48,7 @@ pub struct GltfFile {
     pub(super) parents: Parents,
     /// For each mesh that a node shows, [the main one](GltfFile::main_node); computed on first use.
     pub(super) main_nodes: OnceCell<HashMap<usize, usize>>,
+    pub(super) skip_bad: bool,
 }
 
 impl GltfFile {
@@ -148,6 +153,7 @@ impl GltfFile {
             budget,
             parents: Parents::new(),
             main_nodes: OnceCell::new(),
+            skip_bad: options.skip_bad,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::document::Mesh;
 use super::error::{MeshProblem, ReadError};
+use super::skipped::Skipped;
 use super::{GltfFile, primitive};
 use crate::mesh::MorphMesh;
 
@@ -15,6 +16,8 @@ pub struct FoundMesh {
     pub skinned: bool,
     /// If none of its primitives has triangles, what it draws: `points`, `lines` or `points and lines`.
     pub not_triangles: Option<&'static str>,
+    /// What was left out of it; nothing unless [`ReadOptions::skip_bad`](super::ReadOptions::skip_bad) is set.
+    pub skipped: Skipped,
 }
 
 impl GltfFile {
@@ -69,7 +72,7 @@ impl GltfFile {
         };
         let json = self.root.meshes.get(index, &self.budget);
         let json = json.map_err(|problem| fail(MeshProblem::Element(problem)))?;
-        let (mut mesh, drawn) = primitive::read(self, json).map_err(fail)?;
+        let (mut mesh, drawn, skipped) = primitive::read(self, json).map_err(fail)?;
         mesh.target_names = target_names(json, mesh.targets.len());
         mesh.name = name;
         Ok(FoundMesh {
@@ -81,6 +84,7 @@ impl GltfFile {
                 (false, false, true) => Some("lines"),
                 _ => None,
             },
+            skipped,
         })
     }
 

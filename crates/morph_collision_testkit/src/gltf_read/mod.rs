@@ -5,7 +5,7 @@
 //! 1. Open a file (`file`) and take the JSON out of its container (`container`, `document`).
 //! 2. Load a buffer when it is first used (`buffers`, `uri`), decode compressed views and primitives (`view`, `compressed`, `meshopt`,
 //!    `draco`), and open and decode accessors (`accessor`).
-//! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`).
+//! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`), without its bad parts if asked (`skipped`).
 //! 4. Find what a scene draws: nodes with their mesh and their skin, once for each instance (`scenes`, `nodes`, `instances`).
 //! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animations`,
 //!    `animation`, `joint_animation`).
@@ -45,6 +45,7 @@ mod nodes;
 mod primitive;
 mod scenes;
 mod skin;
+mod skipped;
 mod triangles;
 mod uri;
 mod view;
@@ -62,6 +63,7 @@ pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;
 pub use self::mesh::FoundMesh;
 pub use self::scenes::{Drawing, Drawn, Extent};
+pub use self::skipped::Skipped;
 
 use crate::mesh::MorphMesh;
 

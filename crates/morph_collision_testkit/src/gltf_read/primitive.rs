@@ -11,6 +11,8 @@ use super::accessor::{INDICES, Opened, POINTS};
 use super::document::{self, Mesh};
 use super::draco::DracoMesh;
 use super::error::{AccessorProblem, MeshProblem};
+use super::skipped::Skipped;
+use super::triangles::mode;
 use super::{GltfFile, triangles};
 use crate::mesh::MorphMesh;
 
@@ -24,11 +26,12 @@ pub(super) struct Drawn {
 
 /// Reads positions, targets and triangles. The caller sets the names.
 ///
-/// Targets without stored data are left empty.
-pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh, Drawn), MeshProblem> {
+/// Targets without stored data are left empty. The last value is what was left out.
+pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh, Drawn, Skipped), MeshProblem> {
     let plan = Plan::of(file, mesh)?;
     plan.count_memory(file)?;
-    Ok((plan.decode()?, plan.drawn))
+    let mut skipped = plan.skipped;
+    Ok((plan.decode(&mut skipped)?, plan.drawn, skipped))
 }
 
 /// The accessors that vertices come from: positions, displacements per target, and influences. Primitives with the same key share
@@ -45,6 +48,10 @@ pub(super) struct Plan<'a> {
     vertices: usize,
     triangles: u64,
     drawn: Drawn,
+    /// Whether to leave out what is bad, instead of refusing the mesh.
+    skip_bad: bool,
+    /// What is known to be left out before anything is decoded.
+    skipped: Skipped,
 }
 
 struct Source<'a> {
@@ -76,7 +83,16 @@ enum Corners<'a> {
 impl<'a> Plan<'a> {
     /// Checks the positions, targets and indices of all primitives.
     pub(super) fn of(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Self, MeshProblem> {
-        let mut plan = Plan::default();
+        let mut plan = Plan {
+            skip_bad: file.skip_bad,
+            ..Plan::default()
+        };
+        let counts = mesh.primitives.iter().map(|primitive| primitive.targets.len());
+        plan.targets = if plan.skip_bad {
+            counts.max().unwrap_or(0)
+        } else {
+            mesh.primitives.first().map_or(0, |first| first.targets.len())
+        };
         for (index, json) in mesh.primitives.iter().enumerate() {
             plan.add(file, index, json)?;
         }
@@ -99,8 +115,8 @@ impl<'a> Plan<'a> {
         let positions = json.attributes.positions;
         let positions = positions.ok_or(MeshProblem::MissingPositions { primitive })?;
         let targets: Vec<Option<usize>> = json.targets.iter().map(|target| target.positions).collect();
-        if primitive == 0 {
-            self.targets = targets.len();
+        if self.skip_bad {
+            self.skipped.targets += self.targets - targets.len();
         } else if targets.len() != self.targets {
             return Err(MeshProblem::TargetCount {
                 primitive,
@@ -144,8 +160,11 @@ impl<'a> Plan<'a> {
                 }
                 (None, None) => opened.count(),
             };
-            let triangles =
-                triangles::count(part.mode, corners).ok_or(MeshProblem::IncompleteTriangle { primitive, corners })?;
+            let (triangles, whole) = triangles::count(part.mode, corners);
+            if !whole {
+                self.skip(MeshProblem::IncompleteTriangle { primitive, corners })?;
+                self.skipped.triangles += 1;
+            }
             // An accessor without stored data may claim any count.
             self.triangles = self.triangles.saturating_add(triangles as u64);
             if u32::try_from(self.triangles).is_err() {
@@ -178,14 +197,14 @@ impl<'a> Plan<'a> {
             let opened = file.open_accessor(accessor, &POINTS);
             let opened = opened.map_err(at(primitive, &format!("target {target} POSITION")))?;
             if opened.count() != vertices {
-                return Err(MeshProblem::TargetLength {
+                self.skip(MeshProblem::TargetLength {
                     primitive,
                     target,
                     found: opened.count(),
                     expected: vertices,
-                });
-            }
-            if !opened.is_unstored() {
+                })?;
+                self.skipped.targets += 1;
+            } else if !opened.is_unstored() {
                 targets.push((target, opened));
             }
         }
@@ -204,6 +223,11 @@ impl<'a> Plan<'a> {
         self.vertices = end;
         self.known.insert(key, self.sources.len() - 1);
         Ok(self.sources.len() - 1)
+    }
+
+    /// An error, unless what is bad is left out.
+    fn skip(&self, problem: MeshProblem) -> Result<(), MeshProblem> {
+        if self.skip_bad { Ok(()) } else { Err(problem) }
     }
 
     /// For each target, whether any data is stored for it.
@@ -226,7 +250,7 @@ impl<'a> Plan<'a> {
         file.budget.take(bytes, 1, what).map_err(MeshProblem::OverBudget)
     }
 
-    fn decode(&self) -> Result<MorphMesh, MeshProblem> {
+    fn decode(&self, skipped: &mut Skipped) -> Result<MorphMesh, MeshProblem> {
         let mut mesh = MorphMesh {
             positions: Vec::with_capacity(self.vertices),
             targets: vec![Vec::new(); self.targets],
@@ -255,13 +279,15 @@ impl<'a> Plan<'a> {
             displacements.resize(self.vertices, Vec3::ZERO);
         }
         for part in &self.parts {
-            self.decode_triangles(part, &mut mesh)?;
+            skipped.triangles += self.decode_triangles(part, &mut mesh)?;
         }
         Ok(mesh)
     }
 
-    fn decode_triangles(&self, part: &Part<'_>, mesh: &mut MorphMesh) -> Result<(), MeshProblem> {
+    /// Adds the triangles of a primitive; returns how many are left out because they have a corner that is no vertex.
+    fn decode_triangles(&self, part: &Part<'_>, mesh: &mut MorphMesh) -> Result<usize, MeshProblem> {
         let primitive = part.primitive;
+        let mut left_out = 0;
         let start = mesh.primitives.last().map_or(0, |range| range.end);
         if let Some(source) = part.source {
             let source = &self.sources[source];
@@ -272,24 +298,23 @@ impl<'a> Plan<'a> {
                 Corners::Vertices => (0..vertices as u32).collect(),
             };
             if let Some(position) = corners.iter().position(|&v| v as usize >= vertices) {
-                return Err(MeshProblem::VertexOutOfRange {
+                self.skip(MeshProblem::VertexOutOfRange {
                     primitive,
                     position,
                     vertex: corners[position],
                     vertices,
-                });
+                })?;
             }
-            let drawn = triangles::from_corners(part.mode, &corners);
-            let drawn = drawn.ok_or(MeshProblem::IncompleteTriangle {
-                primitive,
-                corners: corners.len(),
-            })?;
+            let mut drawn = triangles::from_corners(part.mode, &corners);
+            let all = drawn.len();
+            drawn.retain(|triangle| triangle.iter().all(|&v| (v as usize) < vertices));
+            left_out = all - drawn.len();
             let shifted = drawn.iter().map(|triangle| triangle.map(|v| source.first_vertex + v));
             mesh.triangles.extend(shifted);
         }
         let end = u32::try_from(mesh.triangles.len()).map_err(|_| MeshProblem::TooLarge { primitive })?;
         mesh.primitives.push(start..end);
-        Ok(())
+        Ok(left_out)
     }
 }
 
@@ -300,18 +325,4 @@ fn at(primitive: usize, attribute: &str) -> impl Fn(AccessorProblem) -> MeshProb
         attribute: attribute.clone(),
         problem,
     }
-}
-
-fn mode(mode: u32) -> Option<Mode> {
-    use gltf::json::mesh::{LINE_LOOP, LINE_STRIP, LINES, POINTS, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
-    Some(match mode {
-        POINTS => Mode::Points,
-        LINES => Mode::Lines,
-        LINE_LOOP => Mode::LineLoop,
-        LINE_STRIP => Mode::LineStrip,
-        TRIANGLES => Mode::Triangles,
-        TRIANGLE_STRIP => Mode::TriangleStrip,
-        TRIANGLE_FAN => Mode::TriangleFan,
-        _ => return None,
-    })
 }

@@ -7,26 +7,23 @@ pub(super) fn is_drawn_of_triangles(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// The number of triangles with `corners` corners; `None` if a list of separate triangles ends in the middle of one.
-pub(super) fn count(mode: Mode, corners: usize) -> Option<usize> {
+/// The number of triangles with `corners` corners, and whether the last one is complete.
+pub(super) fn count(mode: Mode, corners: usize) -> (usize, bool) {
     match mode {
-        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(0),
-        Mode::Triangles => corners.is_multiple_of(3).then_some(corners / 3),
-        Mode::TriangleStrip | Mode::TriangleFan => Some(corners.saturating_sub(2)),
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => (0, true),
+        Mode::Triangles => (corners / 3, corners.is_multiple_of(3)),
+        Mode::TriangleStrip | Mode::TriangleFan => (corners.saturating_sub(2), true),
     }
 }
 
-/// The triangles of `corners` (vertex indices); `None` if a list of separate triangles ends in the middle of one.
+/// The triangles of `corners` (vertex indices), without an incomplete last one.
 ///
 /// Degenerate triangles, such as those that stitch strips together, are kept, so that a triangle's index is that of the
 /// drawn one.
-pub(super) fn from_corners(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>> {
+pub(super) fn from_corners(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
-        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(Vec::new()),
-        Mode::Triangles => {
-            let (triangles, rest) = corners.as_chunks::<3>();
-            rest.is_empty().then(|| triangles.to_vec())
-        }
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
+        Mode::Triangles => corners.as_chunks::<3>().0.to_vec(),
         // Every second triangle of a strip has the opposite winding, so two of its corners are swapped.
         Mode::TriangleStrip => {
             let turned = |(i, window): (usize, &[u32])| match (i % 2, window) {
@@ -34,15 +31,30 @@ pub(super) fn from_corners(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>>
                 (_, &[a, b, c]) => Some([a, c, b]),
                 _ => None,
             };
-            Some(corners.windows(3).enumerate().filter_map(turned).collect())
+            corners.windows(3).enumerate().filter_map(turned).collect()
         }
         Mode::TriangleFan => {
             let Some((&hub, rim)) = corners.split_first() else {
-                return Some(Vec::new());
+                return Vec::new();
             };
-            Some(rim.windows(2).map(|edge| [edge[0], edge[1], hub]).collect())
+            rim.windows(2).map(|edge| [edge[0], edge[1], hub]).collect()
         }
     }
+}
+
+/// The mode with a number; `None` if glTF does not define it.
+pub(super) fn mode(mode: u32) -> Option<Mode> {
+    use gltf::json::mesh::{LINE_LOOP, LINE_STRIP, LINES, POINTS, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
+    Some(match mode {
+        POINTS => Mode::Points,
+        LINES => Mode::Lines,
+        LINE_LOOP => Mode::LineLoop,
+        LINE_STRIP => Mode::LineStrip,
+        TRIANGLES => Mode::Triangles,
+        TRIANGLE_STRIP => Mode::TriangleStrip,
+        TRIANGLE_FAN => Mode::TriangleFan,
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -52,25 +64,23 @@ mod tests {
     #[test]
     fn strips_keep_their_winding() {
         let triangles = from_corners(Mode::TriangleStrip, &[0, 1, 2, 3, 4]);
-        assert_eq!(triangles, Some(vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]]));
+        assert_eq!(triangles, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
     }
 
     #[test]
     fn fans_turn_around_their_first_corner() {
-        assert_eq!(
-            from_corners(Mode::TriangleFan, &[7, 1, 2, 3]),
-            Some(vec![[1, 2, 7], [2, 3, 7]])
-        );
+        assert_eq!(from_corners(Mode::TriangleFan, &[7, 1, 2, 3]), [[1, 2, 7], [2, 3, 7]]);
     }
 
     #[test]
     fn too_few_corners_are_no_triangle() {
         for mode in [Mode::TriangleStrip, Mode::TriangleFan] {
             for corners in [&[][..], &[0], &[0, 1]] {
-                assert_eq!(from_corners(mode, corners), Some(Vec::new()));
+                assert!(from_corners(mode, corners).is_empty());
             }
         }
-        assert_eq!(from_corners(Mode::Triangles, &[0, 1, 2, 3]), None);
+        assert_eq!(from_corners(Mode::Triangles, &[0, 1, 2, 3]), [[0, 1, 2]]);
+        assert_eq!(count(Mode::Triangles, 4), (1, false));
     }
 
     #[test]
@@ -84,11 +94,7 @@ mod tests {
         ] {
             for corners in 0..8 {
                 let triangles = from_corners(mode, &vec![0; corners]);
-                assert_eq!(
-                    count(mode, corners),
-                    triangles.map(|triangles| triangles.len()),
-                    "{mode:?}"
-                );
+                assert_eq!(count(mode, corners).0, triangles.len(), "{mode:?}");
             }
         }
     }

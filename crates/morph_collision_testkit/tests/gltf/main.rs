@@ -7,6 +7,7 @@ mod reading;
 mod reference;
 mod scenes;
 mod skins;
+mod skip_bad;
 mod support;
 mod unused;
 mod uris;

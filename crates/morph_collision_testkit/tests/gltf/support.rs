@@ -1,7 +1,7 @@
 //! Hand-built glTF files for the reader's tests: a `.gltf` with a `.bin` beside it, valid or broken as the test
 //! needs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use morph_collision_testkit::{
     gltf_read::{GltfFile, ReadError, ReadOptions, read_meshes},
@@ -120,6 +120,12 @@ impl Document {
             Err(error) => error.to_string(),
         }
     }
+}
+
+/// A file of `data/field`, which `data/README.md` describes.
+pub(crate) fn field(name: &str) -> PathBuf {
+    let directory = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/data/field"));
+    directory.join(format!("{name}.glb"))
 }
 
 /// A primitive of triangles.

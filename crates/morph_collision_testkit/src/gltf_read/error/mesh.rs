@@ -115,6 +115,10 @@ impl MeshProblem {
             Self::Element(problem) => problem.remedy(),
             Self::Accessor { problem, .. } => problem.remedy(),
             Self::Compressed { fault, .. } => fault.remedy(),
+            Self::TargetCount { .. }
+            | Self::TargetLength { .. }
+            | Self::VertexOutOfRange { .. }
+            | Self::IncompleteTriangle { .. } => Some(Remedy::SkipBad),
             _ => None,
         }
     }

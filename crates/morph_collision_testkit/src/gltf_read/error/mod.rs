@@ -134,6 +134,8 @@ pub enum Remedy {
     MoreMemory,
     /// [`ReadOptions::any_path`](super::ReadOptions).
     AnyPath,
+    /// [`ReadOptions::skip_bad`](super::ReadOptions).
+    SkipBad,
 }
 
 impl Remedy {
@@ -143,6 +145,7 @@ impl Remedy {
             None => "",
             Some(Self::MoreMemory) => "; --memory-limit raises it",
             Some(Self::AnyPath) => "; pass --allow-any-path to read it",
+            Some(Self::SkipBad) => "; --skip-bad leaves out what is bad",
         }
     }
 }

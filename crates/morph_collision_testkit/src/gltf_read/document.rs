@@ -2,17 +2,16 @@
 //!
 //! Elements of the top-level lists are parsed on first use, so broken elements matter only if they are used.
 
-use std::cell::OnceCell;
-
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use serde_json::value::RawValue;
 
+use super::expressions::Extensions;
+use super::list::{AgainError, Element, bytes_of, or_default, parse_again};
 use crate::memory::{MemoryBudget, OverBudget};
 use crate::printable::Printable;
 
-/// Upper bound on the bytes that an element of a list takes, parsed or not, while the list grows.
-const BYTES_PER_ELEMENT: u64 = 128;
+pub use super::list::ElementError;
+pub(super) use super::list::{List, abridged};
 
 /// The top level.
 #[derive(Debug, Deserialize)]
@@ -22,6 +21,7 @@ pub(super) struct Root {
     pub(super) asset: Asset,
     #[serde(default)]
     pub(super) extensions_required: Vec<String>,
+    pub(super) extensions: Option<Element<Extensions>>,
     #[serde(default)]
     pub(super) buffers: List<Buffer>,
     #[serde(default)]
@@ -334,13 +334,19 @@ impl Root {
         }
         budget.take(bytes_of(json), 1, || "the JSON".into())?;
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-        let root = serde_json::from_slice::<Self>(json);
+        let root = serde_json::from_slice::<Self>(json).or_else(|error| {
+            let text = std::str::from_utf8(json).map_err(|_| RootError::Json(error.to_string()))?;
+            parse_again(text, budget).map_err(|again| match again {
+                AgainError::Json(message) => RootError::Json(message),
+                AgainError::OverBudget(_) => RootError::Json(error.to_string()),
+            })
+        });
         let asset = match &root {
             Ok(root) => &root.asset,
             Err(_) => &serde_json::from_slice::<AnyVersion>(json).map_or_else(|_| Asset::default(), |any| any.asset),
         };
         asset.check().map_err(RootError::Version)?;
-        Ok(root?)
+        root
     }
 }
 
@@ -361,102 +367,14 @@ impl Asset {
     }
 }
 
-/// Upper bound on the bytes that JSON takes once parsed: its text, and one element for each of these characters.
-fn bytes_of(json: &[u8]) -> u64 {
-    let elements = json.iter().filter(|byte| matches!(byte, b',' | b'[' | b'{')).count();
-    json.len() as u64 + elements as u64 * BYTES_PER_ELEMENT
-}
-
 /// Why the top level cannot be parsed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum RootError {
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
+    #[error("{0}")]
+    Json(String),
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
     /// The file needs another version of glTF.
     #[error("it needs glTF {}, and only 2.0 is read; convert it to glTF 2.0", Printable(.0))]
     Version(String),
-}
-
-/// The first 200 characters of a text from a file: enough for a message, and cheap to copy.
-pub(super) fn abridged(text: &str) -> String {
-    match text.char_indices().nth(200) {
-        None => text.to_owned(),
-        Some((end, _)) => format!("{}...", &text[..end]),
-    }
-}
-
-/// The default in place of a malformed value that is not needed to read a mesh.
-fn or_default<'de, D: Deserializer<'de>, T: DeserializeOwned + Default>(deserializer: D) -> Result<T, D::Error> {
-    let text = Box::<RawValue>::deserialize(deserializer)?;
-    Ok(serde_json::from_str(text.get()).unwrap_or_default())
-}
-
-/// A list whose elements are parsed one by one, on first use.
-#[derive(Debug)]
-pub(super) struct List<T>(Vec<Element<T>>);
-
-#[derive(Debug)]
-struct Element<T> {
-    text: Box<RawValue>,
-    parsed: OnceCell<Box<Result<T, ElementError>>>,
-}
-
-/// Why an element of a list cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ElementError {
-    /// The list has fewer elements.
-    #[error("does not exist")]
-    Missing,
-    /// It does not have the form required at its place in the file.
-    #[error("is malformed: {0}")]
-    Malformed(String),
-    /// Parsing it would take too much memory.
-    #[error("is too large: {0}")]
-    OverBudget(OverBudget),
-}
-
-impl<T> Default for List<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<'de, T> Deserialize<'de> for List<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let texts = Vec::<Box<RawValue>>::deserialize(deserializer)?;
-        let unparsed = |text| Element {
-            text,
-            parsed: OnceCell::new(),
-        };
-        Ok(Self(texts.into_iter().map(unparsed).collect()))
-    }
-}
-
-impl<T: DeserializeOwned> List<T> {
-    pub(super) fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    pub(super) fn indices(&self) -> std::ops::Range<usize> {
-        0..self.0.len()
-    }
-
-    pub(super) fn get(&self, index: usize, budget: &MemoryBudget) -> Result<&T, ElementError> {
-        let element = self.0.get(index).ok_or(ElementError::Missing)?;
-        if element.parsed.get().is_none() {
-            // A refusal is not remembered, because there may be more memory later.
-            let bytes = bytes_of(element.text.get().as_bytes());
-            let keep = budget.keep(bytes, 1, || "its JSON".into());
-            keep.map_err(ElementError::OverBudget)?;
-        }
-        let parse = || {
-            let parsed = serde_json::from_str(element.text.get());
-            // Abridged because the parser quotes whole strings.
-            parsed.map_err(|error| ElementError::Malformed(abridged(&error.to_string())))
-        };
-        let parsed = element.parsed.get_or_init(|| Box::new(parse()));
-        (**parsed).as_ref().map_err(Clone::clone)
-    }
 }

@@ -2,13 +2,14 @@
 //!
 //! The steps, and the files that implement them:
 //!
-//! 1. Open a file (`file`) and take the JSON out of its container (`container`, `document`).
+//! 1. Open a file (`file`) and take the JSON out of its container (`container`, `document`, `list`, `integers`).
 //! 2. Load a buffer when it is first used (`buffers`, `uri`), decode compressed views and primitives (`view`, `compressed`, `meshopt`,
 //!    `draco`), and open and decode accessors (`accessor`).
 //! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`), without its bad parts if asked (`skipped`).
 //! 4. Find what a scene draws: nodes with their mesh and their skin, once for each instance (`scenes`, `nodes`, `instances`).
 //! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animations`,
 //!    `animation`, `joint_animation`).
+//! 6. Read the named expressions of avatars (`expressions`).
 //!
 //! Files may come from anywhere:
 //!
@@ -34,11 +35,14 @@ mod container;
 mod document;
 mod draco;
 mod error;
+mod expressions;
 mod extensions;
 mod file;
 mod influences;
 mod instances;
+mod integers;
 mod joint_animation;
+mod list;
 mod mesh;
 mod meshopt;
 mod nodes;
@@ -59,6 +63,7 @@ pub use self::error::{
     AccessorProblem, AnimationProblem, BufferFault, BufferProblem, CompressionFault, MeshProblem, NodeProblem,
     ReadError, Remedy, SkinProblem,
 };
+pub use self::expressions::{Expression, ExpressionBind};
 pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;
 pub use self::mesh::FoundMesh;

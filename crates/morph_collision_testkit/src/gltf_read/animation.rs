@@ -4,7 +4,7 @@ use super::GltfFile;
 use super::accessor::{TIMES, WEIGHTS};
 use super::animations::default_name;
 use super::channels::Animated;
-use super::document::{Animation, abridged};
+use super::document::{Animation, ElementError, abridged};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
 use crate::mesh::WeightAnimation;
 
@@ -130,11 +130,18 @@ impl GltfFile {
     ) -> Result<Option<WeightChannel<'a>>, AnimationProblem> {
         let json = animation.channels.get(channel, &self.budget);
         let json = json.map_err(|problem| AnimationProblem::Channel { channel, problem })?;
-        let dangling = |what| AnimationProblem::Dangling { channel, what };
+        let dangling = |what, index| {
+            move |problem| AnimationProblem::Dangling {
+                channel,
+                what,
+                index,
+                problem,
+            }
+        };
         let (node, mesh, one) = match json.target.animated() {
             Animated::NodeWeights(node, one) => {
                 let found = self.root.nodes.get(node, &self.budget);
-                let Some(mesh) = found.map_err(|_| dangling("node"))?.mesh else {
+                let Some(mesh) = found.map_err(dangling("node", node))?.mesh else {
                     return Ok(None);
                 };
                 (Some(node), mesh, one)
@@ -147,7 +154,7 @@ impl GltfFile {
             Animated::Node(..) | Animated::Other => return Ok(None),
         };
         if mesh >= self.root.meshes.len() {
-            return Err(dangling("mesh"));
+            return Err(dangling("mesh", mesh)(ElementError::Missing));
         }
         Ok(Some(WeightChannel {
             animation,
@@ -178,9 +185,11 @@ impl GltfFile {
             return Err(AnimationProblem::NotApplied { channel, pointer });
         }
         let sampler = json.animation.samplers.get(json.sampler, &self.budget);
-        let sampler = sampler.map_err(|_| AnimationProblem::Dangling {
+        let sampler = sampler.map_err(|problem| AnimationProblem::Dangling {
             channel,
             what: "sampler",
+            index: json.sampler,
+            problem,
         })?;
         let interpolation = Interpolation::new(sampler.interpolation.as_deref());
         let interpolation = interpolation.ok_or(AnimationProblem::UnknownInterpolation { channel })?;

@@ -95,9 +95,11 @@ impl GltfFile {
         property: Property,
     ) -> Result<JointChannel, AnimationProblem> {
         let sampler = animation.samplers.get(json.sampler, &self.budget);
-        let sampler = sampler.map_err(|_| AnimationProblem::Dangling {
+        let sampler = sampler.map_err(|problem| AnimationProblem::Dangling {
             channel,
             what: "sampler",
+            index: json.sampler,
+            problem,
         })?;
         let interpolation = match sampler.interpolation.as_deref() {
             None | Some("LINEAR") => Interpolation::Linear,

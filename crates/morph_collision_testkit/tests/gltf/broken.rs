@@ -305,19 +305,19 @@ fn broken_clips_are_named() {
         &[0.0],
         &[0.0],
         &|d| channel(d, "sampler", 5),
-        "channel 0 refers to a sampler that does not exist",
+        "channel 0: sampler 5 does not exist",
     );
     check(
         &[0.0],
         &[0.0],
         &|d| channel(d, "node", 5),
-        "channel 0 refers to a node that does not exist",
+        "channel 0: node 5 does not exist",
     );
     check(
         &[0.0],
         &[0.0],
         &|d| d.json["nodes"][0]["mesh"] = json!(5),
-        "channel 0 refers to a mesh",
+        "channel 0: mesh 5 does not exist",
     );
     check(
         &[0.0],

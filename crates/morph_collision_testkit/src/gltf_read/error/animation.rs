@@ -45,13 +45,17 @@ pub enum AnimationProblem {
         /// The pointer to the part.
         pointer: String,
     },
-    /// A channel names a sampler, a node or a mesh that does not exist.
-    #[error("channel {channel} refers to a {what} that does not exist")]
+    /// A channel needs a sampler, a node or a mesh that does not exist or is malformed.
+    #[error("channel {channel}: {what} {index} {problem}")]
     Dangling {
         /// The channel's index in the animation.
         channel: usize,
-        /// What is missing.
+        /// A sampler, a node or a mesh.
         what: &'static str,
+        /// Its index: in the animation for a sampler, otherwise in the file.
+        index: usize,
+        /// The problem.
+        problem: ElementError,
     },
     /// A sampler's accessor cannot be decoded.
     #[error("channel {channel}, {what}: {problem}")]
@@ -135,7 +139,7 @@ impl AnimationProblem {
     pub(super) fn remedy(&self) -> Option<Remedy> {
         match self {
             Self::OverBudget { .. } => Some(Remedy::MoreMemory),
-            Self::Element(problem) | Self::Channel { problem, .. } => problem.remedy(),
+            Self::Element(problem) | Self::Channel { problem, .. } | Self::Dangling { problem, .. } => problem.remedy(),
             Self::Accessor { problem, .. } => problem.remedy(),
             _ => None,
         }

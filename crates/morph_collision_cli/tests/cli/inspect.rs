@@ -220,8 +220,11 @@ fn bounds_nodes_and_reach_are_shown() -> TestResult {
     })?;
     let report = inspect_json(&path)?;
     assert_eq!(
-        (&report["version"], &report["ignored_extensions"][0]),
-        (&1.into(), &"VRMC_vrm".into())
+        (&report["version"], &report["extension_notes"][0]),
+        (
+            &1.into(),
+            &"VRMC_vrm: its expressions are read; gaze is not applied".into()
+        )
     );
     let mesh = &report["meshes"][0];
     assert_eq!(mesh["bounds"]["max"], serde_json::json!([1.0, 1.0, 0.0]));
@@ -231,7 +234,7 @@ fn bounds_nodes_and_reach_are_shown() -> TestResult {
     assert_eq!((&node["translation"][1], &node["scale"][0]), (&6.0.into(), &2.0.into()));
     let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
     for part in [
-        "note: it requires VRMC_vrm",
+        "note: VRMC_vrm: its expressions are read",
         "bounds      0 0 0 to 1 1 0 at rest",
         "node 1 \"stand\": translation 0 6 0",
     ] {

@@ -13,6 +13,7 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use super::ReadOptions;
 use super::document::{Buffer, Root};
 use super::error::{BufferFault, BufferProblem};
+use super::lfs;
 use super::uri::{self, Source};
 use crate::memory::MemoryBudget;
 
@@ -116,6 +117,9 @@ impl Buffers {
                 read_file(&path, index, json.byte_length, budget)?
             }
         };
+        if lfs::is_pointer(&bytes) {
+            return Err(BufferFault::LfsPointer);
+        }
         long_enough(&bytes, json)?;
         Ok(bytes)
     }

@@ -4,13 +4,11 @@ use std::cell::OnceCell;
 
 use super::document::Root;
 use super::error::CompressionFault;
-use super::extensions::{DRACO, MESHOPT};
-use crate::memory::{MemoryBudget, OverBudget};
+use crate::memory::MemoryBudget;
 
 /// What was decoded so far, for each buffer view.
 ///
-/// Files that require neither compression have empty lists. A file that uses a compression without requiring it also stores plain
-/// data, and those are read.
+/// Compressed data are decoded wherever they are, even if the file does not say in `extensionsRequired` that readers need to.
 #[derive(Debug)]
 pub(super) struct Decoded {
     /// The bytes of views that are compressed by meshoptimizer.
@@ -19,53 +17,60 @@ pub(super) struct Decoded {
     pub(super) meshes: Slots<draco_core::Mesh>,
 }
 
-/// One slot for each buffer view of a file.
+/// One slot for each buffer view of a file. The slots are made on first use, so that files without compression have none.
 #[derive(Debug)]
-pub(super) struct Slots<T>(Vec<OnceCell<Result<Box<T>, CompressionFault>>>);
+pub(super) struct Slots<T> {
+    views: usize,
+    slots: OnceCell<Vec<Slot<T>>>,
+}
+
+type Slot<T> = OnceCell<Result<Box<T>, CompressionFault>>;
 
 impl Decoded {
-    pub(super) fn new(root: &Root, budget: &MemoryBudget) -> Result<Self, OverBudget> {
-        let required = |names: &[&str]| {
-            root.extensions_required
-                .iter()
-                .any(|name| names.contains(&name.as_str()))
-        };
+    pub(super) fn new(root: &Root) -> Self {
         let views = root.buffer_views.len();
-        Ok(Self {
-            views: Slots::new(if required(&MESHOPT) { views } else { 0 }, budget)?,
-            meshes: Slots::new(if required(&[DRACO]) { views } else { 0 }, budget)?,
-        })
+        Self {
+            views: Slots::new(views),
+            meshes: Slots::new(views),
+        }
     }
 }
 
 impl<T> Slots<T> {
-    fn new(count: usize, budget: &MemoryBudget) -> Result<Self, OverBudget> {
-        let size = size_of::<OnceCell<Result<Box<T>, CompressionFault>>>();
-        budget.take(count as u64, size as u64, || "the list of its compressed views".into())?;
-        Ok(Self((0..count).map(|_| OnceCell::new()).collect()))
+    fn new(views: usize) -> Self {
+        let slots = OnceCell::new();
+        Self { views, slots }
     }
 
-    /// Whether the file requires this compression.
-    pub(super) fn are_used(&self) -> bool {
-        !self.0.is_empty()
+    fn slots(&self, budget: &MemoryBudget) -> Result<&[Slot<T>], CompressionFault> {
+        if let Some(slots) = self.slots.get() {
+            return Ok(slots);
+        }
+        let what = || "the list of its compressed views".into();
+        let keep = budget.keep(self.views as u64, size_of::<Slot<T>>() as u64, what);
+        keep.map_err(CompressionFault::OverBudget)?;
+        Ok(self
+            .slots
+            .get_or_init(|| (0..self.views).map(|_| OnceCell::new()).collect()))
     }
 
     /// The content of a view, decoded by `decode` on first use. Lack of memory is not remembered, because there may be more later.
     pub(super) fn get(
         &self,
         view: usize,
+        budget: &MemoryBudget,
         decode: impl FnOnce() -> Result<T, CompressionFault>,
     ) -> Result<&T, CompressionFault> {
-        let Some(slot) = self.0.get(view) else {
+        let Some(slot) = self.slots(budget)?.get(view) else {
             return Err(CompressionFault::NoView);
         };
         if slot.get().is_none() {
             let found = decode().map(Box::new);
-            if let Err(fault @ CompressionFault::OverBudget(_)) = found {
-                return Err(fault);
+            match found {
+                Err(fault) if fault.is_lack_of_memory() => return Err(fault),
+                // It was empty, so this sets it.
+                found => drop(slot.set(found)),
             }
-            // It was empty, so this sets it.
-            let _ = slot.set(found);
         }
         match slot.get() {
             Some(Ok(content)) => Ok(content),

@@ -5,6 +5,7 @@
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
+use super::attributes::Attributes;
 use super::expressions::Extensions;
 use super::list::{AgainError, Element, bytes_of, or_default, parse_again};
 use crate::memory::{MemoryBudget, OverBudget};
@@ -21,6 +22,9 @@ pub(super) struct Root {
     pub(super) asset: Asset,
     #[serde(default)]
     pub(super) extensions_required: Vec<String>,
+    // Only messages need it.
+    #[serde(default, deserialize_with = "or_default")]
+    pub(super) extensions_used: Vec<String>,
     pub(super) extensions: Option<Element<Extensions>>,
     #[serde(default)]
     pub(super) buffers: List<Buffer>,
@@ -81,9 +85,9 @@ pub(super) struct View {
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct ViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
-    pub(super) ext_meshopt: Option<MeshoptView>,
+    pub(super) ext_meshopt: Option<Element<MeshoptView>>,
     #[serde(rename = "KHR_meshopt_compression")]
-    pub(super) khr_meshopt: Option<MeshoptView>,
+    pub(super) khr_meshopt: Option<Element<MeshoptView>>,
 }
 
 /// Where the compressed data of a view is, and what it decodes to.
@@ -103,6 +107,7 @@ pub(super) struct MeshoptView {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Accessor {
+    pub(super) name: Option<String>,
     pub(super) buffer_view: Option<usize>,
     #[serde(default)]
     pub(super) byte_offset: u64,
@@ -155,6 +160,7 @@ pub(super) struct Primitive {
     pub(super) material: Option<usize>,
     #[serde(default)]
     pub(super) targets: Vec<Target>,
+    pub(super) extras: Option<Box<RawValue>>,
     #[serde(default)]
     pub(super) extensions: PrimitiveExtensions,
 }
@@ -162,7 +168,7 @@ pub(super) struct Primitive {
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
-    pub(super) draco: Option<DracoStream>,
+    pub(super) draco: Option<Element<DracoStream>>,
 }
 
 /// A view that holds a compressed primitive, and the numbers of its attributes in there.
@@ -176,31 +182,6 @@ pub(super) struct DracoStream {
 
 const fn triangles() -> u32 {
     gltf::json::mesh::TRIANGLES
-}
-
-#[derive(Debug, Default, Deserialize)]
-pub(super) struct Attributes {
-    #[serde(rename = "POSITION")]
-    pub(super) positions: Option<usize>,
-    #[serde(rename = "JOINTS_0")]
-    pub(super) joints: Option<usize>,
-    #[serde(rename = "WEIGHTS_0")]
-    pub(super) joint_weights: Option<usize>,
-    #[serde(rename = "JOINTS_1")]
-    pub(super) more_joints: Option<usize>,
-    #[serde(rename = "WEIGHTS_1")]
-    pub(super) more_joint_weights: Option<usize>,
-}
-
-impl Attributes {
-    pub(super) fn influences(&self) -> [Option<usize>; 4] {
-        [
-            self.joints,
-            self.joint_weights,
-            self.more_joints,
-            self.more_joint_weights,
-        ]
-    }
 }
 
 #[derive(Debug, Deserialize)]

@@ -4,8 +4,10 @@ use draco_core::{AttributeValueIndex, DataType, DecodeLimits, DecoderBuffer, Mes
 
 use super::GltfFile;
 use super::accessor::{Component, Elements};
-use super::document::{Attributes, Primitive};
+use super::attributes::Attributes;
+use super::document::Primitive;
 use super::error::CompressionFault;
+use super::extensions::DRACO;
 use super::view::range;
 
 /// Upper bound on the bytes that decoding takes per triangle and per vertex, beside the values of attributes.
@@ -31,12 +33,30 @@ pub(super) struct DracoValues<'a> {
 }
 
 impl GltfFile {
-    /// The decoded stream of a primitive; `None` if it is not compressed.
+    /// The decoded stream of a primitive; `None` if it is not compressed, or if the file also stores plain data and the stream cannot be
+    /// decoded.
     pub(super) fn draco<'a>(&'a self, primitive: &'a Primitive) -> Result<Option<DracoMesh<'a>>, CompressionFault> {
-        let stored = primitive.extensions.draco.as_ref();
-        let Some(stored) = stored.filter(|_| self.decoded.meshes.are_used()) else {
+        match self.stream(primitive) {
+            Err(fault) if !fault.is_lack_of_memory() && self.stores_plainly(primitive) => Ok(None),
+            found => found,
+        }
+    }
+
+    /// Whether the positions and the indices of a compressed primitive are also stored plainly.
+    fn stores_plainly(&self, primitive: &Primitive) -> bool {
+        let is_stored = |accessor: usize| {
+            let accessor = self.root.accessors.get(accessor, &self.budget);
+            accessor.is_ok_and(|accessor| accessor.buffer_view.is_some())
+        };
+        let positions = primitive.attributes.positions;
+        !self.requires(&[DRACO]) && positions.is_some_and(is_stored) && primitive.indices.is_none_or(is_stored)
+    }
+
+    fn stream<'a>(&'a self, primitive: &'a Primitive) -> Result<Option<DracoMesh<'a>>, CompressionFault> {
+        let Some(stored) = &primitive.extensions.draco else {
             return Ok(None);
         };
+        let stored = stored.get(&self.budget).map_err(CompressionFault::Extension)?;
         let count = |accessor: Option<usize>| {
             let accessor = self.root.accessors.get(accessor?, &self.budget).ok()?;
             Some(accessor.count)
@@ -44,7 +64,7 @@ impl GltfFile {
         let vertices = count(primitive.attributes.positions).unwrap_or(0);
         let triangles = count(primitive.indices).map_or(vertices, |corners| corners / 3);
         let decode = || self.decode_stream(stored.buffer_view, vertices, triangles);
-        let mesh = self.decoded.meshes.get(stored.buffer_view, decode)?;
+        let mesh = self.decoded.meshes.get(stored.buffer_view, &self.budget, decode)?;
         Ok(Some(DracoMesh {
             mesh,
             numbers: &stored.attributes,
@@ -101,10 +121,10 @@ impl<'a> DracoMesh<'a> {
         self.values(self.numbers.positions)
     }
 
-    /// Joints and weights of the first and the second set of influences.
+    /// Joints and weights of a set of influences.
     pub(super) fn influences(&self, set: usize) -> Result<[Option<DracoValues<'a>>; 2], CompressionFault> {
-        let numbers = self.numbers.influences();
-        Ok([self.values(numbers[2 * set])?, self.values(numbers[2 * set + 1])?])
+        let [joints, weights] = self.numbers.influences.get(&set).copied().unwrap_or_default();
+        Ok([self.values(joints)?, self.values(weights)?])
     }
 
     /// The values of the attribute with a number; `None` if the attribute is not part of the stream.

@@ -11,6 +11,7 @@ use super::container::chunks;
 use super::document::{Root, RootError, abridged};
 use super::error::ReadError;
 use super::extensions::{self, Support};
+use super::lfs;
 use super::skin::Parents;
 use crate::memory::{self, MemoryBudget};
 
@@ -121,6 +122,10 @@ impl GltfFile {
             path: path.to_owned(),
             reason,
         };
+        if lfs::is_pointer(&bytes) {
+            let reason = "it is a Git LFS pointer and not the model itself, which `git lfs pull` fetches";
+            return Err(not_gltf(reason.into()));
+        }
         let (json, chunk) = if bytes.starts_with(b"glTF") {
             let (json, chunk) = chunks(&bytes).map_err(not_gltf)?;
             (json, chunk)
@@ -141,14 +146,10 @@ impl GltfFile {
                 extension: abridged(extension),
             });
         }
-        let decoded = Decoded::new(&root, &budget).map_err(|over| ReadError::OverBudget {
-            path: path.to_owned(),
-            over,
-        })?;
         Ok(Self {
             path: path.to_owned(),
             buffers: Buffers::new(&root, directory, options, bytes, chunk),
-            decoded,
+            decoded: Decoded::new(&root),
             root,
             budget,
             parents: Parents::new(),
@@ -169,12 +170,6 @@ impl GltfFile {
         let mut files = vec![self.path.clone()];
         files.extend(self.buffers.files(&self.root, &self.budget));
         files
-    }
-
-    /// The extensions that the file requires and the reader ignores, because they do not change the geometry of a mesh.
-    pub fn ignored_extensions(&self) -> impl Iterator<Item = &str> {
-        let required = self.root.extensions_required.iter().map(String::as_str);
-        required.filter(|name| extensions::support(name) == Support::Ignored)
     }
 
     /// The memory that the file may still take. Count anything that you build from its meshes here.

@@ -16,25 +16,27 @@ struct Stored<'a> {
     weights: Opened<'a>,
 }
 
-/// The names of the attributes of each set.
-const OF_JOINTS: [&str; 2] = ["JOINTS_0", "JOINTS_1"];
-const OF_WEIGHTS: [&str; 2] = ["WEIGHTS_0", "WEIGHTS_1"];
+/// The names of a set's attributes.
+fn names(set: usize) -> [String; 2] {
+    [format!("JOINTS_{set}"), format!("WEIGHTS_{set}")]
+}
 
-/// Reads one or two sets of influences, in the order of the mesh's vertices. Further sets in the file are ignored.
+/// Reads the sets of influences, in the order of the mesh's vertices. Primitives with fewer sets than others get zeros.
 pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Vec<InfluenceSet>, SkinProblem> {
     let plan = Plan::of(file, mesh).map_err(SkinProblem::Mesh)?;
     let mut stored = Vec::new();
     for (primitive, first_vertex, vertices) in plan.vertex_ranges() {
         let json = &mesh.primitives[primitive];
-        for set in 0..2 {
-            let opened = open(file, json, primitive, set, vertices)?;
-            stored.extend(opened.map(|(joints, weights)| Stored {
+        let last = json.attributes.influences.keys().next_back().copied().unwrap_or(0);
+        for set in 0..=last {
+            let (joints, weights) = open(file, json, primitive, set, vertices)?;
+            stored.push(Stored {
                 primitive,
                 first_vertex,
                 set,
                 joints,
                 weights,
-            }));
+            });
         }
     }
     let sets = stored.iter().map(|stored| stored.set + 1).max().unwrap_or(0);
@@ -47,16 +49,17 @@ pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Vec<Influen
         let InfluenceSet { joints, weights } = &mut read[stored.set];
         joints.resize(stored.first_vertex, [0; 4]);
         weights.resize(stored.first_vertex, [0.0; 4]);
-        let at = |attribute: [&'static str; 2]| {
-            let (primitive, attribute) = (stored.primitive, attribute[stored.set]);
+        let [of_joints, of_weights] = names(stored.set);
+        let primitive = stored.primitive;
+        let at = |attribute| {
             move |problem| SkinProblem::Accessor {
                 primitive,
                 attribute,
                 problem,
             }
         };
-        stored.joints.append_joints(joints).map_err(at(OF_JOINTS))?;
-        stored.weights.append_joint_weights(weights).map_err(at(OF_WEIGHTS))?;
+        stored.joints.append_joints(joints).map_err(at(of_joints))?;
+        stored.weights.append_joint_weights(weights).map_err(at(of_weights))?;
     }
     for InfluenceSet { joints, weights } in &mut read {
         joints.resize(vertices, [0; 4]);
@@ -65,34 +68,31 @@ pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Vec<Influen
     Ok(read)
 }
 
-/// The accessors of a set; `None` if a primitive has no second one.
+/// The accessors of a set.
 fn open<'a>(
     file: &'a GltfFile,
     json: &'a Primitive,
     primitive: usize,
     set: usize,
     vertices: usize,
-) -> Result<Option<(Opened<'a>, Opened<'a>)>, SkinProblem> {
-    let attributes = &json.attributes;
-    let accessors = match set {
-        0 => (attributes.joints, attributes.joint_weights),
-        _ => (attributes.more_joints, attributes.more_joint_weights),
+) -> Result<(Opened<'a>, Opened<'a>), SkinProblem> {
+    let accessors = json.attributes.influences.get(&set).copied().unwrap_or_default();
+    let [of_joints, of_weights] = names(set);
+    let missing = |attribute: &String| SkinProblem::MissingInfluences {
+        primitive,
+        attribute: attribute.clone(),
     };
-    if set > 0 && accessors == (None, None) {
-        return Ok(None);
-    }
-    let missing = |attribute| SkinProblem::MissingInfluences { primitive, attribute };
-    let joints = accessors.0.ok_or(missing(OF_JOINTS[set]))?;
-    let weights = accessors.1.ok_or(missing(OF_WEIGHTS[set]))?;
+    let joints = accessors[0].ok_or_else(|| missing(&of_joints))?;
+    let weights = accessors[1].ok_or_else(|| missing(&of_weights))?;
     let compressed = |fault| SkinProblem::Mesh(MeshProblem::Compressed { primitive, fault });
-    let [of_joints, of_weights] = match file.draco(json).map_err(compressed)? {
+    let [decoded_joints, decoded_weights] = match file.draco(json).map_err(compressed)? {
         Some(decoded) => decoded.influences(set).map_err(compressed)?,
         None => [None, None],
     };
-    let checked = |attribute, opened: Result<Opened<'a>, _>| {
+    let checked = |attribute: String, opened: Result<Opened<'a>, _>| {
         let opened = opened.map_err(|problem| SkinProblem::Accessor {
             primitive,
-            attribute,
+            attribute: attribute.clone(),
             problem,
         })?;
         if opened.count() != vertices {
@@ -105,8 +105,8 @@ fn open<'a>(
         }
         Ok(opened)
     };
-    Ok(Some((
-        checked(OF_JOINTS[set], file.open_vertices(joints, &JOINTS, of_joints))?,
-        checked(OF_WEIGHTS[set], file.open_vertices(weights, &FRACTIONS, of_weights))?,
-    )))
+    Ok((
+        checked(of_joints, file.open_vertices(joints, &JOINTS, decoded_joints))?,
+        checked(of_weights, file.open_vertices(weights, &FRACTIONS, decoded_weights))?,
+    ))
 }

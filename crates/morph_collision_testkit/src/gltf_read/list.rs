@@ -192,10 +192,16 @@ pub(super) fn abridged(text: &str) -> String {
     }
 }
 
-/// The default in place of a malformed value that is not needed to read a mesh.
+/// The default in place of a malformed value that is not needed to read a mesh. Of a short value, an integer may be a float.
 pub(super) fn or_default<'de, D: Deserializer<'de>, T: DeserializeOwned + Default>(
     deserializer: D,
 ) -> Result<T, D::Error> {
+    const SHORT: usize = 64;
     let text = Box::<RawValue>::deserialize(deserializer)?;
-    Ok(serde_json::from_str(text.get()).unwrap_or_default())
+    let parsed = serde_json::from_str(text.get());
+    Ok(match parsed {
+        Err(_) if text.get().len() <= SHORT => serde_json::from_str(&integers::written_plainly(text.get())),
+        parsed => parsed,
+    }
+    .unwrap_or_default())
 }

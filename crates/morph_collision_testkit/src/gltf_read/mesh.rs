@@ -1,9 +1,8 @@
 //! Meshes with their names and targets.
 
-use super::document::Mesh;
 use super::error::{MeshProblem, ReadError};
 use super::skipped::Skipped;
-use super::{GltfFile, primitive};
+use super::{GltfFile, primitive, target_names};
 use crate::mesh::MorphMesh;
 
 /// A mesh and further information from the file.
@@ -58,6 +57,8 @@ impl GltfFile {
     /// - Several primitives become one mesh. Their vertices are concatenated (once if primitives share them), and their triangles
     ///   are numbered consecutively.
     /// - Strips and fans become triangles of the same winding. Points and lines give an empty range.
+    /// - Names of targets come from `targetNames` in the extras of the mesh or of its primitives, or from the accessors of the
+    ///   targets.
     /// - A mesh without triangles or without targets is returned as it is.
     ///
     /// # Errors
@@ -73,7 +74,7 @@ impl GltfFile {
         let json = self.root.meshes.get(index, &self.budget);
         let json = json.map_err(|problem| fail(MeshProblem::Element(problem)))?;
         let (mut mesh, drawn, skipped) = primitive::read(self, json).map_err(fail)?;
-        mesh.target_names = target_names(json, mesh.targets.len());
+        mesh.target_names = target_names::read(self, json, mesh.targets.len());
         mesh.name = name;
         Ok(FoundMesh {
             mesh,
@@ -111,22 +112,4 @@ impl GltfFile {
         };
         (0..self.mesh_count()).map(read).collect()
     }
-}
-
-/// The names that most exporters put into the mesh's extras, or default names.
-fn target_names(mesh: &Mesh, count: usize) -> Vec<String> {
-    #[derive(serde::Deserialize)]
-    struct Extras {
-        #[serde(rename = "targetNames")]
-        target_names: Vec<String>,
-    }
-    let mut names = mesh
-        .extras
-        .as_ref()
-        .and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok())
-        .map(|extras| extras.target_names)
-        .unwrap_or_default();
-    names.truncate(count);
-    names.extend((names.len()..count).map(|target| format!("target_{target}")));
-    names
 }

@@ -14,14 +14,13 @@ impl GltfFile {
     /// The decoded bytes of a view; `None` if it is not compressed.
     pub(super) fn meshopt(&self, index: usize, view: &View) -> Result<Option<&[u8]>, CompressionFault> {
         let extensions = &view.extensions;
-        let stored = extensions.khr_meshopt.as_ref().or(extensions.ext_meshopt.as_ref());
-        match stored.filter(|_| self.decoded.views.are_used()) {
-            None => Ok(None),
-            Some(stored) => {
-                let bytes = self.decoded.views.get(index, || self.decode_view(index, stored))?;
-                Ok(Some(bytes))
-            }
-        }
+        let Some(stored) = extensions.khr_meshopt.as_ref().or(extensions.ext_meshopt.as_ref()) else {
+            return Ok(None);
+        };
+        let stored = stored.get(&self.budget).map_err(CompressionFault::Extension)?;
+        let decode = || self.decode_view(index, stored);
+        let bytes = self.decoded.views.get(index, &self.budget, decode)?;
+        Ok(Some(bytes))
     }
 
     fn decode_view(&self, index: usize, stored: &MeshoptView) -> Result<Vec<u8>, CompressionFault> {

@@ -2,10 +2,11 @@
 //!
 //! The steps, and the files that implement them:
 //!
-//! 1. Open a file (`file`) and take the JSON out of its container (`container`, `document`, `list`, `integers`).
+//! 1. Open a file (`file`) and take the JSON out of its container (`container`, `lfs`), parsed in parts (`document`,
+//!    `attributes`, `list`, `integers`).
 //! 2. Load a buffer when it is first used (`buffers`, `uri`), decode compressed views and primitives (`view`, `compressed`, `meshopt`,
 //!    `draco`), and open and decode accessors (`accessor`).
-//! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`), without its bad parts if asked (`skipped`).
+//! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`, `target_names`), without its bad parts if asked (`skipped`).
 //! 4. Find what a scene draws: nodes with their mesh and their skin, once for each instance (`scenes`, `nodes`, `instances`).
 //! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animations`,
 //!    `animation`, `joint_animation`).
@@ -22,12 +23,13 @@
 //! Images are never decoded. Transforms of nodes that show a mesh are not applied: a mesh is read in its own space, and
 //! [`GltfFile::placement`] says where a node puts it.
 //!
-//! Required extensions are decoded if they compress geometry, ignored if they do not change it
-//! ([`GltfFile::ignored_extensions`]), and refused otherwise (`extensions`).
+//! Compressed geometry is decoded wherever it is. [`GltfFile::extension_notes`] says which other extensions are not applied. Files
+//! that require an unknown one are refused (`extensions`).
 
 mod accessor;
 mod animation;
 mod animations;
+mod attributes;
 mod buffers;
 mod channels;
 mod compressed;
@@ -42,6 +44,7 @@ mod influences;
 mod instances;
 mod integers;
 mod joint_animation;
+mod lfs;
 mod list;
 mod mesh;
 mod meshopt;
@@ -50,6 +53,7 @@ mod primitive;
 mod scenes;
 mod skin;
 mod skipped;
+mod target_names;
 mod triangles;
 mod uri;
 mod view;

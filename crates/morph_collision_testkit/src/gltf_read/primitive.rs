@@ -8,6 +8,7 @@ use glam::Vec3;
 use gltf::mesh::Mode;
 
 use super::accessor::{INDICES, Opened, POINTS};
+use super::attributes::Influences;
 use super::document::{self, Mesh};
 use super::draco::DracoMesh;
 use super::error::{AccessorProblem, MeshProblem};
@@ -36,14 +37,14 @@ pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh,
 
 /// The accessors that vertices come from: positions, displacements per target, and influences. Primitives with the same key share
 /// vertices.
-type SourceKey = (usize, Vec<Option<usize>>, [Option<usize>; 4]);
+type SourceKey<'a> = (usize, Vec<Option<usize>>, &'a Influences);
 
 /// A mesh that is checked but not yet decoded.
 #[derive(Default)]
 pub(super) struct Plan<'a> {
     targets: usize,
     sources: Vec<Source<'a>>,
-    known: HashMap<SourceKey, usize>,
+    known: HashMap<SourceKey<'a>, usize>,
     parts: Vec<Part<'a>>,
     vertices: usize,
     triangles: u64,
@@ -171,7 +172,7 @@ impl<'a> Plan<'a> {
                 return Err(MeshProblem::TooLarge { primitive });
             }
             if triangles > 0 {
-                let key = (positions, targets, json.attributes.influences());
+                let key = (positions, targets, &json.attributes.influences);
                 part.source = Some(self.source(file, primitive, opened, key)?);
             }
         }
@@ -184,7 +185,7 @@ impl<'a> Plan<'a> {
         file: &'a GltfFile,
         primitive: usize,
         positions: Opened<'a>,
-        key: SourceKey,
+        key: SourceKey<'a>,
     ) -> Result<usize, MeshProblem> {
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);

@@ -56,10 +56,7 @@ impl GltfFile {
 
     /// The skin with which a node, or else the main one, shows a mesh. Also `None` if none of the mesh's primitives has influences.
     pub(super) fn skin_of(&self, mesh: usize, json: &super::document::Mesh, node: Option<usize>) -> Option<usize> {
-        let bound = |primitive: &super::document::Primitive| {
-            let attributes = &primitive.attributes;
-            attributes.joints.is_some() && attributes.joint_weights.is_some()
-        };
+        let bound = |primitive: &super::document::Primitive| primitive.attributes.are_bound();
         if !json.primitives.iter().any(bound) {
             return None;
         }

@@ -3,6 +3,7 @@
 use super::GltfFile;
 use super::document::View;
 use super::error::{AccessorProblem, CompressionFault};
+use super::extensions::MESHOPT;
 
 impl GltfFile {
     /// A view and its bytes, decoded if they are compressed. Errors name `accessor`, which uses it.
@@ -18,10 +19,19 @@ impl GltfFile {
             view: index,
             fault: Box::new(fault),
         };
-        if let Some(decoded) = self.meshopt(index, view).map_err(compressed)? {
+        let decoded = self.meshopt(index, view);
+        if let Ok(Some(decoded)) = decoded {
             return Ok((view, decoded));
         }
-        match self.range(view.buffer, view.byte_offset, view.byte_length) {
+        let plain = self.range(view.buffer, view.byte_offset, view.byte_length);
+        if let Err(fault) = decoded {
+            // The buffer of the view may hold the same data for readers that know no compression.
+            return match plain {
+                Ok(bytes) if !fault.is_lack_of_memory() && !self.requires(&MESHOPT) => Ok((view, bytes)),
+                _ => Err(compressed(fault)),
+            };
+        }
+        match plain {
             Ok(bytes) => Ok((view, bytes)),
             Err(CompressionFault::Buffer(problem)) => Err(AccessorProblem::Buffer { accessor, problem }),
             Err(_) => Err(AccessorProblem::OutOfBounds { accessor }),

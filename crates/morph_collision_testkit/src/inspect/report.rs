@@ -48,9 +48,9 @@ impl MeshError {
 pub struct FileReport {
     /// The file's name as it was given.
     pub file: String,
-    /// Extensions that the file requires and that are ignored, because they do not change the geometry of meshes.
+    /// What extensions do to posed meshes and is not applied, see [`GltfFile::extension_notes`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub ignored_extensions: Vec<String>,
+    pub extension_notes: Vec<String>,
     /// Problems that do not belong to a mesh.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -124,7 +124,7 @@ impl FileReport {
         let strays = file.stray_animations();
         Self {
             file: file.path().display().to_string(),
-            ignored_extensions: file.ignored_extensions().map(str::to_owned).collect(),
+            extension_notes: file.extension_notes(),
             warnings: broken.iter().chain(&strays).map(ToString::to_string).collect(),
             animations: animations
                 .map(|(index, info)| FileAnimationReport::new(index, info))

@@ -24,12 +24,8 @@ const LONGEST_NAME: usize = 32;
 impl Display for FileReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", Printable(&self.file))?;
-        for extension in &self.ignored_extensions {
-            let extension = Printable(extension);
-            writeln!(
-                f,
-                "note: it requires {extension}, which does not change the geometry of meshes and is ignored"
-            )?;
+        for note in &self.extension_notes {
+            writeln!(f, "note: {}", Printable(note))?;
         }
         for warning in &self.warnings {
             writeln!(f, "warning: {warning}")?;

@@ -3,6 +3,7 @@
 mod bombs;
 mod broken;
 mod compressed;
+mod exporters;
 mod expressions;
 mod reading;
 mod reference;

@@ -195,21 +195,45 @@ fn required_extensions_that_leave_geometry_alone_are_accepted() -> Result<(), Re
         "KHR_mesh_quantization",
         "KHR_animation_pointer",
         "VRMC_materials_mtoon",
-        "VRM",
         "KHR_xmp_json_ld",
     ] {
         let mut document = Document::square(1);
         document.json["extensionsRequired"] = json!([extension]);
         let (_directory, file) = document.open()?;
         assert_eq!(file.mesh(0)?.mesh.triangles, SQUARE, "{extension}");
-        let ignored: Vec<&str> = file.ignored_extensions().collect();
-        let expected = if extension == "KHR_mesh_quantization" {
-            vec![]
-        } else {
-            vec![extension]
-        };
-        assert_eq!(ignored, expected);
+        assert!(file.extension_notes().is_empty());
     }
+    Ok(())
+}
+
+/// Before, only required extensions were named, with "does not change the geometry" for all of them.
+#[test]
+fn extensions_that_are_not_applied_are_named_whether_required_or_not() -> Result<(), ReadError> {
+    let notes = |used, required| {
+        let mut document = Document::square(1);
+        document.json["extensionsUsed"] = used;
+        document.json["extensionsRequired"] = required;
+        Ok::<_, ReadError>(document.open()?.1.extension_notes())
+    };
+    let springs =
+        "VRMC_springBone: its springs are not applied, so hair and clothes follow the joints of the file and its clips";
+    assert_eq!(notes(json!(["VRMC_springBone"]), json!([]))?, [springs]);
+    assert_eq!(notes(json!([]), json!(["VRMC_springBone"]))?, [springs]);
+    let both = notes(
+        json!(["NEW_thing", "KHR_node_visibility", "MSFT_lod"]),
+        json!(["MSFT_lod"]),
+    )?;
+    assert_eq!(both.len(), 2);
+    assert!(both[0].starts_with("MSFT_lod: simpler versions"));
+    assert_eq!(
+        both[1],
+        "NEW_thing: this extension is unknown, and the file is read without it"
+    );
+    assert!(notes(json!("no list"), json!([]))?.is_empty());
+    let mut document = Document::square(1);
+    document.json["extensions"] = json!({"VRM": {"blendShapeMaster": 5}});
+    let notes = document.open()?.1.extension_notes();
+    assert!(notes[0].starts_with("VRM: its expressions cannot be read, because it is malformed: blendShapeMaster: "));
     Ok(())
 }
 

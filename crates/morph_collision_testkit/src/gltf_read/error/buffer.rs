@@ -48,6 +48,9 @@ pub enum BufferFault {
     /// Its file cannot be read.
     #[error("{0}")]
     Io(String),
+    /// Its file is a pointer of Git LFS.
+    #[error("its file is a Git LFS pointer and not the data itself, which `git lfs pull` fetches")]
+    LfsPointer,
     /// It has fewer bytes than it declares.
     #[error("it has {found} bytes, but its byteLength is {promised}")]
     Short {

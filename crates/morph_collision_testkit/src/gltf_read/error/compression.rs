@@ -11,6 +11,9 @@ pub enum CompressionFault {
     /// The view with the compressed data is missing or malformed.
     #[error("it {0}")]
     View(ElementError),
+    /// The extension that says how it is compressed is malformed.
+    #[error("its extension {0}")]
+    Extension(ElementError),
     /// There is no such buffer view.
     #[error("it does not exist")]
     NoView,
@@ -35,11 +38,16 @@ pub enum CompressionFault {
 }
 
 impl CompressionFault {
+    /// Whether it could be decoded if there were more memory.
+    pub(in crate::gltf_read) fn is_lack_of_memory(&self) -> bool {
+        self.remedy() == Some(Remedy::MoreMemory)
+    }
+
     pub(super) fn remedy(&self) -> Option<Remedy> {
         match self {
             Self::OverBudget(_) => Some(Remedy::MoreMemory),
             Self::Buffer(problem) => problem.fault.remedy(),
-            Self::View(problem) => problem.remedy(),
+            Self::View(problem) | Self::Extension(problem) => problem.remedy(),
             _ => None,
         }
     }

@@ -49,7 +49,7 @@ pub enum SkinProblem {
         /// The primitive's index in the mesh.
         primitive: usize,
         /// What is missing.
-        attribute: &'static str,
+        attribute: String,
     },
     /// Influences cannot be decoded.
     #[error("primitive {primitive}, {attribute}: {problem}")]
@@ -57,7 +57,7 @@ pub enum SkinProblem {
         /// The primitive's index in the mesh.
         primitive: usize,
         /// What the accessor holds.
-        attribute: &'static str,
+        attribute: String,
         /// Why it cannot be decoded.
         problem: AccessorProblem,
     },
@@ -67,7 +67,7 @@ pub enum SkinProblem {
         /// The primitive's index in the mesh.
         primitive: usize,
         /// What the accessor holds.
-        attribute: &'static str,
+        attribute: String,
         /// Its number of entries.
         found: usize,
         /// The number of vertices.

@@ -88,7 +88,8 @@ fn a_stream_that_cannot_be_decoded_is_replaced_by_plain_data() -> Result<(), Rea
         document.json["bufferViews"][0]["extensions"] = json!({"KHR_meshopt_compression": {"buffer": 0}});
         document.json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": 7});
     };
-    let extensions: [(&[&str], &dyn Fn(&mut Document, usize), &str); 3] = [
+    type Compress<'a> = &'a dyn Fn(&mut Document, usize);
+    let extensions: [(&[&str], Compress<'_>, &str); 3] = [
         (&["KHR_draco_mesh_compression"], &draco, "the Draco decoder says"),
         (&["EXT_meshopt_compression"], &meshopt, "the meshopt decoder says"),
         (
@@ -153,7 +154,7 @@ fn any_number_of_sets_of_influences_is_read() -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Before, they were "target_0" to "target_2".
+/// Before, they had default names.
 #[test]
 fn names_of_targets_are_found_in_primitives() -> Result<(), ReadError> {
     assert_eq!(read("c21_names_in_primitive")?.target_names, ["blink_left", "ah", "oh"]);

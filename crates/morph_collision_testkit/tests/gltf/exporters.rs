@@ -135,7 +135,7 @@ fn any_number_of_sets_of_influences_is_read() -> Result<(), ReadError> {
             let attributes = &mut json["meshes"][0]["primitives"][0]["attributes"];
             attributes.as_object_mut().expect("an object").remove(missing);
         });
-        file.skin(0).expect_err("a set is incomplete").to_string()
+        file.skin(0, None).expect_err("a set is incomplete").to_string()
     };
     for missing in ["WEIGHTS_2", "JOINTS_2", "WEIGHTS_1"] {
         let error = error_of(missing);
@@ -149,7 +149,7 @@ fn any_number_of_sets_of_influences_is_read() -> Result<(), ReadError> {
         let attributes = &mut json["meshes"][0]["primitives"][0]["attributes"];
         attributes["JOINTS_18446744073709551615"] = json!(1);
     });
-    let error = far.skin(0).expect_err("a set is missing").to_string();
+    let error = far.skin(0, None).expect_err("a set is missing").to_string();
     assert!(error.contains("has no JOINTS_3 attribute"), "{error}");
     Ok(())
 }
@@ -223,7 +223,7 @@ fn every_target_has_the_first_name_that_is_stored_for_it() -> Result<(), ReadErr
 fn a_malformed_sampler_names_its_field() -> Result<(), ReadError> {
     let options = ReadOptions::default();
     let file = GltfFile::open(&field("c47_interpolation_is_a_number"), &options)?;
-    let clips = file.clips(0, 1);
+    let clips = file.clips(0, None, 1);
     let says = "channel 0: sampler 0 is malformed: interpolation: invalid type: integer `0`, expected a string";
     assert!(clips.clips.is_empty() && clips.broken.len() == 1);
     assert!(clips.broken[0].to_string().ends_with(says), "{}", clips.broken[0]);
@@ -287,15 +287,18 @@ fn integers_may_be_written_as_floats() -> Result<(), ReadError> {
     document.animate("LINEAR", &[0.0, 1.0], &[0.0, 0.5, 1.0, 0.25]);
     document.json["meshes"][0]["weights"] = json!([0.5, 1]);
     document.json["buffers"] = json!([{"byteLength": document.bin.len(), "uri": "model.bin"}]);
-    document.json["scene"] = json!(0);
-    document.json["scenes"] = json!([{"nodes": [0]}]);
+    document.json["scene"] = json!(1);
+    document.json["scenes"] = json!([{}, {"nodes": [0]}]);
     let mut floats = Document {
         json: document.json.clone(),
         bin: document.bin.clone(),
     };
     with_floats(&mut floats.json);
     assert!(floats.json.to_string().contains("\"componentType\":5126.0"));
-    assert_eq!(floats.read()?, document.read()?);
+    let (_directory, file) = floats.open()?;
+    assert_eq!(file.default_scene(), Some(1));
+    let path = file.path().to_owned();
+    assert_eq!(read_meshes(&path)?, document.read()?);
     Ok(())
 }
 

@@ -46,7 +46,7 @@ impl ClipChoice {
         (choice != Self::default()).then_some(choice)
     }
 
-    /// The length of a loop in seconds.
+    /// Its length in seconds.
     pub(crate) fn duration(&self, mesh: &MorphMesh, placement: Option<&Skeleton>) -> f32 {
         let of_skeleton = |skeleton: Option<&Skeleton>, clip: Option<usize>| {
             let clip = skeleton?.clips.get(clip?)?;

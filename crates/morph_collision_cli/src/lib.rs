@@ -28,6 +28,7 @@ mod depth;
 mod drawn_args;
 mod error;
 mod export;
+mod frame_times;
 mod guides;
 mod help;
 mod inspect;

@@ -14,6 +14,7 @@ use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
 use crate::clips::ClipChoice;
 use crate::error::CliError;
+use crate::frame_times::time_in_clip;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_clips};
 use crate::progress;
 
@@ -32,7 +33,7 @@ pub(crate) struct ShapeArgs {
     /// Name of an animation in the file, or its index. It moves the joints and sets the weights.
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
-    /// The time in the animation, in seconds. Animations loop.
+    /// The time in the animation, in seconds. Its first pose holds before the beginning, and its last pose after the end.
     #[arg(
         long,
         value_name = "SECONDS",
@@ -42,6 +43,9 @@ pub(crate) struct ShapeArgs {
         allow_hyphen_values = true
     )]
     pub(crate) time: f32,
+    /// Play the animation in a loop: --time may be in any repetition, and the end is the beginning.
+    #[arg(long = "loop", requires = "clip")]
+    pub(crate) is_loop: bool,
 }
 
 /// The value of `--weights`.
@@ -130,7 +134,8 @@ impl ShapeArgs {
             clips = ClipChoice::find(name, &file, &mesh, None)
                 .map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
         }
-        let weights = self.weights_of(&mesh, clips)?;
+        let seconds = time_in_clip(self.time, clips.duration(&mesh, None), self.is_loop);
+        let weights = self.weights_of(&mesh, clips, seconds)?;
         progress::doing(format!("building the tree of {} triangles", mesh.triangles.len()));
         let tree = build(&mesh).map_err(|reason| CliError::Mesh {
             file: model.to_owned(),
@@ -144,7 +149,7 @@ impl ShapeArgs {
             flag: if self.weights.is_some() { "--weights" } else { "--clip" },
             reason: error.to_string(),
         })?;
-        if let Some(joints) = self.joints(&mesh, clips) {
+        if let Some(joints) = joints(&mesh, clips, seconds) {
             let joints = JointMatrices::new(&joints);
             let set = joints.and_then(|joints| pose.set_joints(&joints));
             set.map_err(|reason| CliError::Pose {
@@ -157,9 +162,9 @@ impl ShapeArgs {
         Ok(ShapedMesh { index, mesh, pose })
     }
 
-    fn weights_of(&self, mesh: &MorphMesh, clips: ClipChoice) -> Result<Vec<f32>, CliError> {
+    fn weights_of(&self, mesh: &MorphMesh, clips: ClipChoice, seconds: f32) -> Result<Vec<f32>, CliError> {
         let others = match clips.weights {
-            Some(clip) => mesh.animations[clip].sample(self.time),
+            Some(clip) => mesh.animations[clip].sample(seconds),
             None => mesh.weights_at_rest(),
         };
         let Some(WeightArg(list)) = &self.weights else {
@@ -171,12 +176,12 @@ impl ShapeArgs {
             reason: error.to_string(),
         })
     }
+}
 
-    fn joints(&self, mesh: &MorphMesh, clips: ClipChoice) -> Option<Vec<Affine3A>> {
-        let skeleton = &mesh.skin.as_ref()?.skeleton;
-        let clip = clips.joints.map(|clip| &skeleton.clips[clip]);
-        Some(skeleton.world_from_mesh(clip, self.time))
-    }
+fn joints(mesh: &MorphMesh, clips: ClipChoice, seconds: f32) -> Option<Vec<Affine3A>> {
+    let skeleton = &mesh.skin.as_ref()?.skeleton;
+    let clip = clips.joints.map(|clip| &skeleton.clips[clip]);
+    Some(skeleton.world_from_mesh(clip, seconds))
 }
 
 fn build(mesh: &MorphMesh) -> Result<MorphBvh, MeshError> {

@@ -1,6 +1,16 @@
 //! Clips: weights that change over time.
 
-/// A looping clip. Each key holds one weight vector; interpolation between keys is linear or cubic.
+/// The time in a loop of `length` seconds that stands for a time outside it, for clips that are played in a loop: they are sampled there.
+///
+/// The end of a loop is its beginning. Of a loop without a length, and for a time that is not finite, it is 0.
+#[must_use]
+pub fn looped(seconds: f32, length: f32) -> f32 {
+    let wrapped = if length > 0.0 { seconds.rem_euclid(length) } else { 0.0 };
+    // `rem_euclid` of a tiny negative time rounds up to the length itself.
+    if wrapped < length { wrapped } else { 0.0 }
+}
+
+/// A clip. Each key holds one weight vector; interpolation between keys is linear or cubic.
 ///
 /// Two keys at the same time are a jump. Stepped animation is stored this way.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,7 +24,7 @@ pub struct WeightAnimation {
     /// For a cubic Hermite spline, the in-tangent and the out-tangent of every key, in weight per second. Empty for a linear
     /// clip.
     pub tangents: Vec<[Vec<f32>; 2]>,
-    /// The time at which a loop ends, in seconds, if that is later than the last key. The last key holds until then.
+    /// The time at which the clip ends, in seconds, if that is later than the last key. The last key holds until then.
     pub end: f32,
 }
 
@@ -73,7 +83,7 @@ impl Cubic {
 }
 
 impl WeightAnimation {
-    /// The length of one loop in seconds: the time of the last key, or [`WeightAnimation::end`] if that is later.
+    /// Its length in seconds: the time of the last key, or [`WeightAnimation::end`] if that is later.
     pub fn duration(&self) -> f32 {
         self.times.last().map_or(0.0, |&last| last.max(self.end))
     }
@@ -98,14 +108,10 @@ impl WeightAnimation {
         clip
     }
 
-    /// The weights at `time` seconds, looping. Before the first key they are those of the first key.
+    /// The weights at `time` seconds. Before the first key they are those of the first key, and from the last key on those of the last.
     ///
-    /// At the very end of a loop it returns the beginning. A clip without keys gives no weights.
+    /// To play the clip in a loop, sample it at [`looped`] times. A clip without keys gives no weights.
     pub fn sample(&self, time: f32) -> Vec<f32> {
-        let duration = self.duration();
-        let wrapped = if duration > 0.0 { time.rem_euclid(duration) } else { 0.0 };
-        // `rem_euclid` of a tiny negative time rounds up to the duration itself, which is the loop's beginning.
-        let time = if wrapped < duration { wrapped } else { 0.0 };
         let next = self.times.partition_point(|&key| key <= time);
         let (Some(after), Some(&end)) = (self.weights.get(next), self.times.get(next)) else {
             return self.weights.last().cloned().unwrap_or_default();
@@ -185,21 +191,42 @@ mod tests {
     }
 
     #[test]
-    fn sampling_is_linear_between_keys_and_loops() {
-        let clip = clip(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]);
-        assert_eq!(clip.sample(0.25), [0.25]);
-        assert_eq!(clip.sample(1.5), [0.5]);
-        assert_eq!(clip.sample(2.25), [0.25]);
-        assert_eq!(clip.sample(-0.5), [0.5]);
+    fn sampling_is_linear_between_keys_and_holds_beyond_them() {
+        let clip = clip(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.5]);
+        for (time, weight) in [
+            (0.25, 0.25),
+            (1.5, 0.75),
+            (2.0, 0.5),
+            (2.25, 0.5),
+            (f32::INFINITY, 0.5),
+            (-0.5, 0.0),
+        ] {
+            assert_eq!(clip.sample(time), [weight], "at {time}");
+        }
     }
 
     #[test]
-    fn the_last_key_holds_until_the_loop_ends() {
+    fn a_looped_time_is_in_the_loop() {
+        for (time, wrapped) in [
+            (0.5, 0.5),
+            (2.0, 0.0),
+            (2.25, 0.25),
+            (-0.5, 1.5),
+            (-1e-30, 0.0),
+            (f32::NAN, 0.0),
+        ] {
+            assert_eq!(looped(time, 2.0), wrapped, "at {time}");
+        }
+        assert_eq!((looped(7.0, 0.0), looped(f32::INFINITY, 1.0)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn the_last_key_holds_until_the_clip_ends() {
         let mut clip = clip(&[0.0, 1.0], &[0.0, 1.0]);
         clip.end = 4.0;
         assert_eq!(clip.duration(), 4.0);
         assert_eq!(clip.sample(3.75), [1.0]);
-        assert_eq!(clip.sample(4.25), [0.25]);
+        assert_eq!(clip.sample(looped(4.25, clip.duration())), [0.25]);
         let mut cubic = clip.clone();
         cubic.tangents = vec![[vec![0.0], vec![1.0]], [vec![1.0], vec![7.0]]];
         for clip in [clip, cubic] {

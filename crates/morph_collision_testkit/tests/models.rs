@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use morph_collision_testkit::{
+    clip::looped,
     mesh::MorphMesh,
     models::{self, topology},
 };
@@ -56,7 +57,7 @@ fn the_heaving_body_is_solid_at_every_moment_and_its_rim_rests() {
     assert!(rest.len() > 20, "{}", rest.len());
     let mut highest = Vec::new();
     for moment in 0..40 {
-        let posed = body.posed(&clip.sample(0.2 * moment as f32));
+        let posed = body.posed(&clip.sample(looped(0.2 * moment as f32, clip.duration())));
         assert!(volume(&body, &posed) > 0.1);
         for (p, rest) in posed.iter().zip(&body.positions).filter(|(_, rest)| rims(rest)) {
             assert!(p.distance(*rest) < 1e-4, "{rest} goes to {p}");

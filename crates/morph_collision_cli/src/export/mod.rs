@@ -21,6 +21,7 @@ use serde::Serialize;
 use crate::cast::Cast;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
+use crate::frame_times::time_in_clip;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD};
 use crate::output;
 use crate::output_file::OutputFile;
@@ -250,8 +251,10 @@ impl ExportArgs {
                 return Err(CliError::Flag { flag: "--clip", reason });
             }
             for (state, clip) in states.iter_mut().zip(clips) {
-                state.clip = clip.ok().map(|(name, _)| name);
-                state.time = state.clip.as_ref().map(|_| self.shape.time);
+                if let Ok((name, length)) = clip {
+                    state.clip = Some(name);
+                    state.time = Some(time_in_clip(self.shape.time, length, self.shape.is_loop));
+                }
             }
         }
         let mut bodies: Vec<_> = found.into_iter().map(|candidate| candidate.body).collect();

@@ -94,7 +94,10 @@ pub(crate) struct LintArgs {
     /// Play only this animation: its name or its index. Can be repeated; by default, all animations are played.
     #[arg(long, value_name = "NAME")]
     clip: Vec<String>,
-    /// Frames per second of clips; 30 by default.
+    /// Play animations in loops: their end is their beginning. Without this option, their last pose is tried, too.
+    #[arg(long = "loop")]
+    is_loop: bool,
+    /// Frames per second of animations; 30 by default. The end of an animation is a frame in any case.
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f32>,
     /// For each target and pair of targets that clips, search the largest weight that does not.

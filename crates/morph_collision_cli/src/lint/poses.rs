@@ -8,7 +8,7 @@ use morph_collision_testkit::printable::Printable;
 use super::capture::Capture;
 use crate::clips::{ClipChoice, clip_names};
 use crate::error::CliError;
-use crate::scene::build::frame_count;
+use crate::frame_times::FrameTimes;
 
 /// The weights at which each target is tried alone.
 const ALONE: [f32; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -81,8 +81,7 @@ pub(super) enum Stage<'a> {
     Clip {
         name: String,
         choice: ClipChoice,
-        fps: f32,
-        frames: usize,
+        times: FrameTimes,
     },
     Capture(&'a Capture),
     Mixtures {
@@ -97,7 +96,7 @@ impl Stage<'_> {
         match self {
             Self::Alone(targets) => targets.len() * ALONE.len(),
             Self::Pairs(pairs) => pairs.len() * TOGETHER.len(),
-            Self::Clip { frames, .. } => *frames,
+            Self::Clip { times, .. } => times.len(),
             Self::Capture(capture) => capture.len(),
             Self::Mixtures { count, .. } => *count,
         }
@@ -132,8 +131,8 @@ impl Stage<'_> {
                 }
                 (Source::Pair(pair), None)
             }
-            Self::Clip { name, choice, fps, .. } => {
-                let moment = index as f64 / f64::from(*fps);
+            Self::Clip { name, choice, times } => {
+                let moment = times.seconds(index);
                 let seconds = moment as f32;
                 if let Some(clip) = choice.weights.and_then(|clip| mesh.animations.get(clip)) {
                     weights = clip.sample(seconds);
@@ -168,6 +167,7 @@ pub(super) fn clip_stages(
     mesh: &MorphMesh,
     wanted: &[String],
     fps: f32,
+    is_loop: bool,
 ) -> Result<Vec<Stage<'static>>, CliError> {
     let names = match wanted {
         [] => clip_names(file, mesh, None),
@@ -176,13 +176,8 @@ pub(super) fn clip_stages(
     let stage = |name: String| {
         let choice =
             ClipChoice::find(&name, file, mesh, None).map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
-        let frames = frame_count(choice.duration(mesh, None), fps);
-        Ok(Stage::Clip {
-            name,
-            choice,
-            fps,
-            frames,
-        })
+        let times = FrameTimes::of_clip(choice.duration(mesh, None), fps, is_loop);
+        Ok(Stage::Clip { name, choice, times })
     };
     names.into_iter().map(stage).collect()
 }

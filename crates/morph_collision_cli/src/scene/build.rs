@@ -13,6 +13,7 @@ use morph_collision_testkit::skeleton::Skeleton;
 use crate::clips::{ClipChoice, clip_names};
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
+use crate::frame_times::{FrameTimes, time_in_clip};
 use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_clips, read_mesh, show_with};
 use crate::output;
 
@@ -76,7 +77,7 @@ impl Candidate {
         &self.shown.clips
     }
 
-    /// The length of a loop of one of its clips in seconds, and the clip's name; `None` if it has no such clip.
+    /// The name of one of its clips, and the clip's length in seconds.
     pub(crate) fn clip(&self, file: &GltfFile, name: &str) -> Result<(String, f32), String> {
         let Shown { mesh, placement, .. } = &*self.shown;
         let choice = ClipChoice::find(name, file, mesh, placement.as_ref())?;
@@ -218,22 +219,46 @@ pub(crate) fn number_names(bodies: &mut [SceneBody]) {
     }
 }
 
-/// Times that frames stand for: `frames` of them, `fps` a second.
-pub(crate) fn frame_count(seconds: f32, fps: f32) -> usize {
-    // A clip's end is its beginning, so it needs no frame, and neither does an end that is late only by rounding. Casts saturate.
-    ((f64::from(seconds) * f64::from(fps) - 1e-3).ceil() as usize).max(1)
-}
-
-/// A scene's frames: every body plays its clip.
-pub(crate) fn frames_of_clips(clips: &[Option<String>], frames: usize, fps: f32) -> Vec<Vec<BodyState>> {
-    let state = |frame: usize, clip: &Option<String>| BodyState {
-        clip: clip.clone(),
-        time: clip.as_ref().map(|_| (frame as f64 / f64::from(fps)) as f32),
+/// A scene's frames: every body plays its clip, given by its name and its length in seconds.
+pub(crate) fn frames_of_clips(
+    clips: &[Option<(String, f32)>],
+    times: &FrameTimes,
+    is_loop: bool,
+) -> Vec<Vec<BodyState>> {
+    let state = |seconds: f32, clip: &Option<(String, f32)>| BodyState {
+        clip: clip.as_ref().map(|(name, _)| name.clone()),
+        time: clip.as_ref().map(|(_, length)| time_in_clip(seconds, *length, is_loop)),
         ..BodyState::default()
     };
-    (0..frames)
-        .map(|frame| clips.iter().map(|clip| state(frame, clip)).collect())
+    (0..times.len())
+        .map(|frame| times.seconds(frame) as f32)
+        .map(|seconds| clips.iter().map(|clip| state(seconds, clip)).collect())
         .collect()
+}
+
+/// Refuses more frames than the memory limit has room for, if each takes so many bytes.
+pub(crate) fn check_frames(
+    frames: usize,
+    bodies: usize,
+    bytes: u64,
+    files: &FileArgs,
+    flag: &'static str,
+) -> Result<(), CliError> {
+    let all = (frames as u64).saturating_mul(bodies as u64).saturating_mul(bytes);
+    if all <= files.memory_limit() {
+        return Ok(());
+    }
+    let or_fewer = if flag == "--frames" {
+        "lower --fps or --frames"
+    } else {
+        "lower --fps"
+    };
+    Err(CliError::Flag {
+        flag,
+        reason: format!(
+            "{frames} frames of {bodies} bodies need more memory than the limit; {or_fewer}, or raise --memory-limit"
+        ),
+    })
 }
 
 /// A scene in which no path is relative to a scene file, because there is none.

@@ -15,11 +15,12 @@ use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
+use crate::frame_times::FrameTimes;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD, has_extension};
 use crate::output;
 use crate::output_file::OutputFile;
 use crate::shape_args::WeightArg;
-use build::{Candidate, Meshes, ModelSpec, candidates, check_stdin, frame_count, number_names};
+use build::{Candidate, Meshes, ModelSpec, candidates, check_frames, check_stdin, number_names};
 use place::Place;
 
 const EXAMPLES: &str = "Examples:
@@ -64,7 +65,10 @@ pub(crate) struct SceneArgs {
     /// Frames per second.
     #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = fps, allow_hyphen_values = true)]
     fps: f32,
-    /// Number of frames; by default as many as the longest clip takes, 60 if only placements change, or else 1.
+    /// Play clips in loops. Without this option, a clip that is shorter than another one holds its last pose.
+    #[arg(long = "loop", requires = "clip")]
+    is_loop: bool,
+    /// Number of frames; by default as many as the longest clip takes, with its end, 60 if only placements change, or else 1.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
     /// The file to write; - is standard output.
@@ -120,7 +124,7 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
                 },
             };
             seconds = clip.as_ref().map_or(seconds, |(_, length)| seconds.max(*length));
-            clips.push(clip.map(|(name, _)| name));
+            clips.push(clip);
             states.push(state(args, model, &candidate)?);
             bodies.push(candidate.body);
         }
@@ -131,14 +135,16 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
         return Err(CliError::Flag { flag: "--clip", reason });
     }
     let moves = args.place.iter().any(Place::moves);
-    let frames = match args.frames {
-        Some(frames) => frames as usize,
-        None if seconds > 0.0 => frame_count(seconds, args.fps),
-        None if moves => FRAMES_OF_PLACEMENTS,
-        None => 1,
+    let times = match args.frames {
+        Some(frames) => FrameTimes::counted(frames as usize, args.fps),
+        None if seconds > 0.0 => FrameTimes::of_clip(seconds, args.fps, args.is_loop),
+        None if moves => FrameTimes::counted(FRAMES_OF_PLACEMENTS, args.fps),
+        None => FrameTimes::counted(1, args.fps),
     };
-    check_length(frames, bodies.len(), &args.files)?;
-    let mut all = build::frames_of_clips(&clips, frames, args.fps);
+    let frames = times.len();
+    // `run` must be able to read the scene with the same memory limit.
+    check_frames(frames, bodies.len(), 2048, &args.files, "--frames")?;
+    let mut all = build::frames_of_clips(&clips, &times, args.is_loop);
     for (frame, of_frame) in all.iter_mut().enumerate() {
         let share = frame as f32 / frames.saturating_sub(1).max(1) as f32;
         for (body, (weights, place)) in of_frame.iter_mut().zip(&states) {
@@ -210,20 +216,6 @@ fn state(args: &SceneArgs, model: usize, candidate: &Candidate) -> Result<(Weigh
         return Err(wrong(format!("{given} weights for {targets} targets")));
     }
     Ok((weights, place))
-}
-
-/// Refuses scenes that `run` could not read with the same memory limit.
-fn check_length(frames: usize, bodies: usize, files: &FileArgs) -> Result<(), CliError> {
-    let bytes = (frames as u64).saturating_mul(bodies as u64).saturating_mul(2048);
-    if bytes <= files.memory_limit() {
-        return Ok(());
-    }
-    Err(CliError::Flag {
-        flag: "--frames",
-        reason: format!(
-            "{frames} frames of {bodies} bodies need more memory than the limit; lower --fps or --frames, or raise --memory-limit"
-        ),
-    })
 }
 
 /// The path of a model as seen from the directory of the scene file. Stays as it is if there is no relative path.

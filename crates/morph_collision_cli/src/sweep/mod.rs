@@ -15,11 +15,12 @@ use morph_collision_testkit::scenes::Scene;
 use crate::cast::Cast;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
+use crate::frame_times::FrameTimes;
 use crate::model_file::{FileArgs, MeshChoice};
 use crate::output_file::OutputFile;
 use crate::posed::Posed;
 use crate::scene::build::{
-    Candidate, Meshes, ModelSpec, candidates, frame_count, frames_of_clips, number_names, scene_of,
+    Candidate, Meshes, ModelSpec, candidates, check_frames, frames_of_clips, number_names, scene_of,
 };
 use crate::scene::{fps, is_scene};
 use crate::touching::Among;
@@ -53,7 +54,10 @@ pub(crate) struct SweepArgs {
     mesh: Option<MeshChoice>,
     #[command(flatten)]
     drawn: DrawnArgs,
-    /// Frames per second; 30 by default. Clips are played as loops: their end counts as their beginning.
+    /// Play animations in loops: their end is their beginning. Without this option, their last pose is tried, too.
+    #[arg(long = "loop")]
+    is_loop: bool,
+    /// Frames per second; 30 by default. The end of an animation is a frame in any case.
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f32>,
     /// Which pairs of triangles to look at.
@@ -76,6 +80,9 @@ pub(crate) struct SweepArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// Upper bound on the bytes that a body's state in a frame takes, twice: as in a scene file, and checked.
+const BYTES_PER_STATE: u64 = 512;
 
 /// Bodies with this project's trees.
 type Swept = Cast<Vec<Posed>>;
@@ -124,6 +131,7 @@ fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
     refuse("--fps", args.fps.is_some())?;
     args.drawn
         .refuse("a scene file already says what happens in every frame")?;
+    refuse("--loop", args.is_loop)?;
     let scene = args.files.read_scene(&args.input)?;
     let label = |states: &Vec<morph_collision_testkit::scenes::BodyState>| {
         let clip = states.iter().find_map(|state| state.clip.clone());
@@ -164,17 +172,15 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
             let reason = of_bodies.into_iter().find_map(Result::err).unwrap_or_default();
             return Err(CliError::Flag { flag: "--clip", reason });
         };
-        let clips: Vec<_> = of_bodies.into_iter().map(|clip| Some(clip.ok()?.0)).collect();
-        for (frame, states) in frames_of_clips(&clips, frame_count(seconds, fps), fps)
-            .into_iter()
-            .enumerate()
-        {
-            labels.push(Label {
-                clip: Some(name.clone()),
-                seconds: Some((frame as f64 / f64::from(fps)) as f32),
-            });
-            frames.push(states);
-        }
+        let clips: Vec<_> = of_bodies.into_iter().map(Result::ok).collect();
+        let times = FrameTimes::of_clip(seconds, fps, args.is_loop);
+        let all = times.len().saturating_add(frames.len());
+        check_frames(all, clips.len(), BYTES_PER_STATE, &args.files, "--fps")?;
+        labels.extend((0..times.len()).map(|frame| Label {
+            clip: Some(name.clone()),
+            seconds: Some(times.seconds(frame) as f32),
+        }));
+        frames.extend(frames_of_clips(&clips, &times, args.is_loop));
     }
     let mut bodies: Vec<_> = found.into_iter().map(|candidate| candidate.body).collect();
     number_names(&mut bodies);

@@ -5,6 +5,7 @@ mod bad_input;
 mod bench;
 mod bombs;
 mod drawn;
+mod clips;
 mod export;
 mod guides;
 mod inspect;

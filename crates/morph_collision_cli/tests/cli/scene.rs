@@ -37,7 +37,7 @@ fn run(scene: &str, args: &[&str]) -> Result<Value, Box<dyn Error>> {
 }
 
 #[test]
-fn one_body_per_model_plays_the_clip_for_a_loop() -> TestResult {
+fn one_body_per_model_plays_the_clip_to_its_end() -> TestResult {
     let dolphin = dolphin();
     let made = json_of(&[
         &dolphin,
@@ -58,8 +58,12 @@ fn one_body_per_model_plays_the_clip_for_a_loop() -> TestResult {
         (&json!("dolphin_564"), &json!("dolphin_564 (2)"))
     );
     let frames = made["frames"].as_array().ok_or("no frames")?;
-    // 1.6 s at 30 frames a second.
-    assert_eq!(frames.len(), 48);
+    // 1.6 s at 30 frames a second, and the end.
+    assert_eq!(frames.len(), 49);
+    assert_eq!(
+        (&frames[47][1]["time"], &frames[48][1]["time"]),
+        (&json!(1.566_666_7), &json!(1.6))
+    );
     assert_eq!(frames[15][1]["time"], 0.5);
     assert_eq!(frames[15][1]["clip"], "swim");
     assert_eq!(frames[15][1]["translation"], json!([1.0, 0.0, 0.0]));
@@ -129,7 +133,7 @@ fn node_transforms_place_meshes_and_clips_move_them() -> TestResult {
         let expected = 1.0 - 0.25 * frame as f64;
         assert_eq!(row["distance"].as_f64(), Some(expected), "{row}");
     }
-    assert_eq!(distances.len(), 4);
+    assert_eq!(distances.len(), 5);
     // Without node transforms, it is in its own space.
     let apart = json_of(&[&all, "--clip", "rise", "--fps", "4"])?;
     assert_eq!(apart["bodies"][1].get("node"), None);

@@ -14,6 +14,11 @@ pub(crate) fn asset(path: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets")).join(path)
 }
 
+/// The small models of these tests.
+pub(crate) fn data(path: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data")).join(path)
+}
+
 /// A command that runs the binary.
 pub(crate) fn command() -> Command {
     Command::new(env!("CARGO_BIN_EXE_morph-collide"))

@@ -50,7 +50,7 @@ fn the_frame_the_pairs_and_the_targets_are_named() -> TestResult {
     let (dir, path) = model()?;
     let csv = dir.path().join("rows.csv");
     let report = json(&path, &["--fps", "4", "--csv", &csv.display().to_string()])?;
-    assert_eq!((&report["frames"], &report["frames_touching"]), (&8.into(), &1.into()));
+    assert_eq!((&report["frames"], &report["frames_touching"]), (&10.into(), &1.into()));
     let rows = report["rows"].as_array().ok_or("no rows")?;
     assert_eq!(rows.len(), 1, "{report}");
     let row = &rows[0];
@@ -64,7 +64,7 @@ fn the_frame_the_pairs_and_the_targets_are_named() -> TestResult {
     assert!(csv.ends_with("\n2,press,0.5,0,0,press,press,1,1,0,down,\n"), "{csv}");
     let text = stdout_of(&sweep(&path, &["--fps", "4"])?);
     assert!(
-        text.ends_with("in 1 of 8 frames. The most new pairs are in frame 2, press at 0.500 s: 1 of 1.\n"),
+        text.ends_with("in 1 of 10 frames. The most new pairs are in frame 2, press at 0.500 s: 1 of 1.\n"),
         "{text}"
     );
     Ok(())
@@ -84,7 +84,7 @@ fn a_pipeline_fails_if_something_touches() -> TestResult {
     );
     assert_eq!(code(&["--fps", "4", "--among", "bodies", "--fail-on-touch"])?, Some(0));
     let text = stdout_of(&sweep(&path, &["--clip", "rest"])?);
-    assert!(text.ends_with("Nothing touches in any of 30 frames.\n"), "{text}");
+    assert!(text.ends_with("Nothing touches in any of 31 frames.\n"), "{text}");
     Ok(())
 }
 

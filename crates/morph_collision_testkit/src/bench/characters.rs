@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::Experiment;
 use super::rays::rays_at;
 use super::walkers::WALKERS;
+use crate::clip::looped;
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
 use crate::moments::{MissingModel, find_real_model};
@@ -273,7 +274,7 @@ impl Script {
                 let clip = clip.cloned().ok_or_else(|| self.unusable("clip"))?;
                 let duration = f64::from(clip.duration());
                 Ok(Box::new(move |t, ahead| {
-                    clip.sample(((passes * t + ahead) * duration) as f32)
+                    clip.sample(looped(((passes * t + ahead) * duration) as f32, clip.duration()))
                 }))
             }
         }

@@ -6,6 +6,7 @@ use glam::{Affine3A, DQuat, DVec3};
 
 use super::Experiment;
 use super::played::{Played, is_playable};
+use crate::clip::looped;
 use crate::mesh::{MeshSkin, MorphMesh};
 use crate::oracle::BodyPose;
 
@@ -99,7 +100,10 @@ fn script_of(mesh: &MorphMesh) -> Box<dyn Fn(f64, f64) -> Vec<f32>> {
     let targets = mesh.targets.len();
     let clip = mesh.animations.iter().find(|clip| is_playable(clip, targets));
     match clip.cloned() {
-        Some(clip) => Box::new(move |t, own| clip.sample(((2.0 * t + own) * f64::from(clip.duration())) as f32)),
+        Some(clip) => Box::new(move |t, own| {
+            let length = clip.duration();
+            clip.sample(looped(((2.0 * t + own) * f64::from(length)) as f32, length))
+        }),
         None => Box::new(move |t, own| {
             let wave = |k: usize| (TAU * (t * (1 + k % 3) as f64 + own + 0.37 * k as f64)).sin();
             (0..targets).map(|k| (0.5 * wave(k)).max(0.0) as f32).collect()

@@ -2,6 +2,7 @@
 
 use glam::Affine3A;
 
+use crate::clip::looped;
 use crate::mesh::{MorphMesh, WeightAnimation};
 use crate::skeleton::{JointClip, Skeleton};
 
@@ -36,7 +37,7 @@ impl Played {
         })
     }
 
-    /// The time in the clip at a step, for a body at a share of the clip.
+    /// The time in the clip's loops at a step, for a body at a share of the clip.
     fn seconds(&self, step: usize, own: f64) -> f32 {
         let duration = self.joints.as_ref().map_or(0.0, JointClip::duration);
         (step as f64 / RATE + own * f64::from(duration)) as f32
@@ -44,13 +45,15 @@ impl Played {
 
     /// The joint matrices at a step.
     pub(super) fn joints(&self, step: usize, own: f64) -> Vec<Affine3A> {
-        let seconds = self.seconds(step, own);
+        let length = self.joints.as_ref().map_or(0.0, JointClip::duration);
+        let seconds = looped(self.seconds(step, own), length);
         self.skeleton.world_from_mesh(self.joints.as_ref(), seconds)
     }
 
     /// The weights at a step, if the clip moves them.
     pub(super) fn weights(&self, step: usize, own: f64) -> Option<Vec<f32>> {
-        Some(self.weights.as_ref()?.sample(self.seconds(step, own)))
+        let clip = self.weights.as_ref()?;
+        Some(clip.sample(looped(self.seconds(step, own), clip.duration())))
     }
 }
 

@@ -7,6 +7,7 @@ use glam::{Affine3A, DQuat, DVec3};
 use super::characters::{NoExperiment, STEPS};
 use super::rays::rays_at;
 use super::{Experiment, Frame};
+use crate::clip::looped;
 use crate::gltf_read::read_meshes;
 use crate::mesh::MorphMesh;
 use crate::moments::find_real_model;
@@ -123,10 +124,12 @@ impl Walkers {
             let (mut frame, mut of_bodies) = (Frame::new(), Vec::new());
             for body in 0..self.bodies {
                 let seconds = ((LOOPS * t + AHEAD * body as f64) * duration) as f32;
+                let of_face_seconds = looped(seconds, of_face.duration());
+                let seconds = looped(seconds, of_joints.duration());
                 let place = (self.place)(body, t);
                 let world_from_mesh = skeleton.world_from_mesh(Some(of_joints), seconds);
                 of_bodies.push(world_from_mesh.into_iter().map(|joint| place * joint).collect());
-                frame.push((of_face.sample(seconds), Affine3A::IDENTITY));
+                frame.push((of_face.sample(of_face_seconds), Affine3A::IDENTITY));
             }
             if self.rays > 0 {
                 let at = (self.place)(0, t).translation.as_dvec3();

@@ -122,7 +122,7 @@ pub struct BodyState {
     /// The name of a clip of the model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip: Option<String>,
-    /// The time in the clip, in seconds; 0 by default. Clips loop.
+    /// The time in the clip, in seconds; 0 by default. The first pose holds before the clip, and the last one after it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f32>,
     /// A comment, for people.

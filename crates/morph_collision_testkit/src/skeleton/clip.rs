@@ -4,14 +4,14 @@ use glam::{Quat, Vec4};
 
 use super::LocalTransform;
 
-/// A looping clip: the nodes that it moves, and how.
+/// A clip: the nodes that it moves, and how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointClip {
     /// The clip's name.
     pub name: String,
     /// One channel per animated property of a node.
     pub channels: Vec<JointChannel>,
-    /// The time at which a loop ends, in seconds, if that is later than the last key. The last keys hold until then.
+    /// The time at which the clip ends, in seconds, if that is later than the last key. The last keys hold until then.
     pub end: f32,
 }
 
@@ -56,7 +56,7 @@ pub enum Interpolation {
 }
 
 impl JointClip {
-    /// The length of one loop in seconds: the time of the last key, or [`JointClip::end`] if that is later.
+    /// Its length in seconds: the time of the last key, or [`JointClip::end`] if that is later.
     #[must_use]
     pub fn duration(&self) -> f32 {
         let ends = self.channels.iter().filter_map(|channel| channel.times.last());
@@ -93,20 +93,12 @@ impl JointClip {
         clip
     }
 
-    /// Sets the properties that the clip moves to their values at a time, looping. The very end of a loop gives its beginning.
+    /// Sets the properties that the clip moves to their values at a time.
     ///
     /// Before a channel's first key its first value holds, and after the last key the last value.
     pub(super) fn apply(&self, seconds: f32, locals: &mut [LocalTransform]) {
-        let duration = self.duration();
-        let wrapped = if duration > 0.0 {
-            seconds.rem_euclid(duration)
-        } else {
-            0.0
-        };
-        // `rem_euclid` of a tiny negative time rounds up to the duration itself, which is the loop's beginning.
-        let time = if wrapped < duration { wrapped } else { 0.0 };
         for channel in &self.channels {
-            let (Some(value), Some(local)) = (channel.at(time), locals.get_mut(channel.node as usize)) else {
+            let (Some(value), Some(local)) = (channel.at(seconds), locals.get_mut(channel.node as usize)) else {
                 continue;
             };
             match channel.property {
@@ -193,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn translations_move_on_a_line_and_loop_and_hold_before_the_first_key() {
+    fn translations_move_on_a_line_and_hold_before_and_after_it() {
         let keys = || {
             let values = vec![Vec4::X, Vec4::X * 5.0];
             channel(Property::Translation, Interpolation::Linear, values)
@@ -203,16 +195,16 @@ mod tests {
             (1.0, 1.0),
             (1.5, 2.0),
             (2.75, 4.5),
-            (4.5, 2.0),
-            (3.0, 1.0),
-            (-0.25, 4.5),
+            (3.0, 5.0),
+            (4.5, 5.0),
+            (-0.25, 1.0),
         ] {
             assert_eq!(pose(keys(), time).translation, Vec3::X * x, "at {time}");
         }
     }
 
     #[test]
-    fn the_last_keys_hold_until_the_loop_ends() {
+    fn the_last_keys_hold_until_the_clip_ends() {
         let values = |keys: usize| (0..keys).map(|key| Vec4::X * key as f32).collect();
         for (interpolation, keys) in [
             (Interpolation::Linear, 2),

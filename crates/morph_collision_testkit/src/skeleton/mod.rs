@@ -84,9 +84,10 @@ impl Skeleton {
         self.world_from_mesh(None, 0.0)
     }
 
-    /// The matrix of every joint at a time of a looping clip, in seconds: its global transform times its inverse bind matrix.
+    /// The matrix of every joint at a time of a clip, in seconds: its global transform times its inverse bind matrix.
     ///
-    /// Nodes that the clip does not move are at rest.
+    /// Nodes that the clip does not move are at rest. Before the first key its pose holds, and after the last key that of the last; to play the
+    /// clip in a loop, pass [`looped`](crate::clip::looped) times.
     ///
     /// # Panics
     /// If a node's parent does not come before it, or a joint names a node that does not exist.

@@ -88,7 +88,7 @@ impl<'a> Draw<'a> {
         let clips = skeleton.clips.len();
         if clips > 0 && rng.random_bool(0.4) {
             let clip = &skeleton.clips[rng.random_range(0..clips)];
-            return skeleton.world_from_mesh(Some(clip), rng.random_range(0.0..=clip.duration().max(0.0)));
+            return skeleton.world_from_mesh(Some(clip), moment(rng, clip.duration()));
         }
         let kind = PoseKind::ALL[rng.random_range(0..PoseKind::ALL.len())].of_body(body);
         kind.draw(skeleton, rng.random())
@@ -115,7 +115,7 @@ impl<'a> Draw<'a> {
         match rng.random_range(if clips > 0 { 0..9 } else { 3..9 }) {
             0..=2 => {
                 let clip = &mesh.animations[rng.random_range(0..clips)];
-                let sample = clip.sample(rng.random_range(0.0..=clip.duration().max(0.0)));
+                let sample = clip.sample(moment(rng, clip.duration()));
                 if sample.len() == count {
                     weights = sample;
                 }
@@ -157,6 +157,11 @@ impl<'a> Draw<'a> {
     fn direction(&mut self) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|_| self.rng.random_range(-1.0..1.0))).normalize_or(DVec3::X)
     }
+}
+
+/// A time in a clip of a length, in seconds: one of eleven is its very end.
+fn moment(rng: &mut Pcg64Mcg, length: f32) -> f32 {
+    rng.random_range(0.0..1.1_f32).min(1.0) * length.max(0.0)
 }
 
 /// Random shares of a sum.

@@ -356,7 +356,7 @@ fn keys_of_every_type_and_form() -> Result<(), ReadError> {
                     let at = if per_key == 3 { (3 * key + 1) * 2 } else { key * 2 };
                     expected[at..at + 2].to_vec()
                 };
-                for (key, time) in [(0, 0.0), (1, 0.5)] {
+                for (key, time) in [(0, 0.0), (1, 0.5), (2, 2.0), (2, 9.0)] {
                     assert_eq!(clip.sample(time), value(key), "{interpolation} {kind:?} {form:?}");
                 }
                 assert_eq!(clip.weights.last(), Some(&value(2)));

@@ -6,6 +6,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{Affine3A, DQuat, DVec3};
 use morph_collision::Aabb;
 use morph_collision_testkit::bench::Experiment;
+use morph_collision_testkit::clip::looped;
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::moments::find_real_model;
@@ -90,7 +91,10 @@ fn heads((name, title): (&str, &str), mesh: MorphMesh, every: usize) -> Experime
         let t = step as f64 / 400.0;
         let apart = size.z * (0.93 + 0.09 * (2.0 * TAU * t).cos());
         let body = |turn: f64, z: f64, ahead: f64| {
-            let mut weights = clip.sample(((t + ahead) * f64::from(clip.duration())) as f32);
+            let mut weights = clip.sample(looped(
+                ((t + ahead) * f64::from(clip.duration())) as f32,
+                clip.duration(),
+            ));
             weights.resize(targets, 0.0);
             let turned = DQuat::from_rotation_y(turn).as_quat();
             let place = Affine3A::from_rotation_translation(turned, DVec3::new(0.0, 0.0, z).as_vec3());

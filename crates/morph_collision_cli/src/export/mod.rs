@@ -41,8 +41,9 @@ const EXAMPLES: &str = "Examples:
 
 /// Write a posed mesh, or a frame of a scene, to a file that other programs can open, with the triangles that touch in red.
 ///
-/// Triangles touch if they belong to different bodies, or to the same one without sharing a vertex. Colours are vertex colours in PLY and OBJ
-/// and materials in glb. CSV has a line per pair of triangles instead, with the middle of the segment in which they meet, and the names of
+/// Triangles touch if they belong to different bodies, or to the same one without sharing a vertex. Colours are vertex colours in PLY and OBJ,
+/// where faces have the order of the mesh's triangles: face numbers, counted from 0, are those of `query` (bodies follow each other). In glb, colours are materials,
+/// and the triangles of one body that touch follow those that do not. CSV has a line per pair of triangles instead, with the middle of the segment in which they meet, and the names of
 /// their bodies and of the targets that move their corners.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]

@@ -13,20 +13,21 @@ use crate::touching::Touch;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {
     pub(super) vertices: Vec<DVec3>,
+    /// The colour of each vertex. A vertex of triangles of both colours is there twice, so that colours do not run into each other.
+    pub(super) colors: Vec<Color>,
     pub(super) parts: Vec<Part>,
 }
 
-/// The triangles of one body that have one colour. Parts share no vertices, so that colours of vertices do not run into each other.
+/// The triangles of one body, in the order of its mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub(super) name: String,
-    pub(super) color: Color,
     pub(super) triangles: Vec<[u32; 3]>,
     /// Its vertices: the first one and the end.
     pub(super) vertices: std::ops::Range<u32>,
 }
 
-/// The colour of a part.
+/// The colour of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Color {
     /// The colour of a body.
@@ -83,41 +84,41 @@ impl Surface {
                 world_from_model: shape.world_from_model,
                 joints: shape.joints.as_deref(),
             };
-            let vertices = pose.world_vertices();
-            let name = &cast.names[body];
-            for (wanted, color, name) in [
-                (false, Color::Body(body), name.clone()),
-                (true, Color::Touching, format!("{name} touching")),
-            ] {
-                let of_color = mesh.triangles.iter().zip(touching).filter(|(_, is)| **is == wanted);
-                surface.add(name, color, &vertices, of_color.map(|(triangle, _)| *triangle));
-            }
+            surface.add(
+                cast.names[body].clone(),
+                Color::Body(body),
+                &pose.world_vertices(),
+                &mesh.triangles,
+                touching,
+            );
         }
         surface
     }
 
-    /// Adds a part with the vertices that it uses; nothing if it has no triangles.
-    fn add(&mut self, name: String, color: Color, vertices: &[DVec3], triangles: impl Iterator<Item = [u32; 3]>) {
+    /// Adds a body with the vertices that its triangles use.
+    fn add(&mut self, name: String, color: Color, vertices: &[DVec3], triangles: &[[u32; 3]], touching: &[bool]) {
         let start = self.vertices.len() as u32;
-        let mut places = vec![u32::MAX; vertices.len()];
-        let mut place = |vertex: u32| {
-            let slot = &mut places[vertex as usize];
+        // The place of each vertex in either colour.
+        let mut places = vec![[u32::MAX; 2]; vertices.len()];
+        let mut place = |vertex: u32, is_touching: bool| {
+            let slot = &mut places[vertex as usize][usize::from(is_touching)];
             if *slot == u32::MAX {
                 *slot = self.vertices.len() as u32;
                 self.vertices.push(vertices[vertex as usize]);
+                self.colors.push(if is_touching { Color::Touching } else { color });
             }
             *slot
         };
-        let triangles: Vec<[u32; 3]> = triangles.map(|triangle| triangle.map(&mut place)).collect();
-        if !triangles.is_empty() {
-            let vertices = start..self.vertices.len() as u32;
-            self.parts.push(Part {
-                name,
-                color,
-                triangles,
-                vertices,
-            });
-        }
+        let triangles = triangles
+            .iter()
+            .zip(touching)
+            .map(|(triangle, &is_touching)| triangle.map(|vertex| place(vertex, is_touching)))
+            .collect();
+        self.parts.push(Part {
+            name,
+            triangles,
+            vertices: start..self.vertices.len() as u32,
+        });
     }
 
     pub(super) fn triangle_count(&self) -> usize {
@@ -126,18 +127,30 @@ impl Surface {
 
     /// The number of triangles that touch.
     pub(super) fn touching_count(&self) -> usize {
-        let touching = self.parts.iter().filter(|part| part.color == Color::Touching);
-        touching.map(|part| part.triangles.len()).sum()
+        let triangles = self.parts.iter().flat_map(|part| &part.triangles);
+        triangles
+            .filter(|triangle| self.color(triangle) == Color::Touching)
+            .count()
+    }
+
+    /// The colour of a triangle, which is that of its corners.
+    fn color(&self, triangle: &[u32; 3]) -> Color {
+        self.colors[triangle[0] as usize]
     }
 
     /// One mesh with a primitive for each colour of each body.
     pub(super) fn into_mesh(self) -> (MorphMesh, Vec<Appearance>) {
         let (mut triangles, mut primitives, mut appearances) = (Vec::new(), Vec::new(), Vec::new());
-        for part in self.parts {
-            let start = triangles.len() as u32;
-            triangles.extend(part.triangles);
-            primitives.push(start..triangles.len() as u32);
-            appearances.push(part.color.appearance());
+        for part in &self.parts {
+            for is_touching in [false, true] {
+                let start = triangles.len();
+                let wanted = |triangle: &&[u32; 3]| (self.color(triangle) == Color::Touching) == is_touching;
+                triangles.extend(part.triangles.iter().filter(wanted));
+                if let Some(first) = triangles.get(start) {
+                    appearances.push(self.color(first).appearance());
+                    primitives.push(start as u32..triangles.len() as u32);
+                }
+            }
         }
         let positions = self.vertices.iter().map(|vertex| vertex.as_vec3()).collect();
         let mesh = MorphMesh {

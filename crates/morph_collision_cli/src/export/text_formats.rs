@@ -19,12 +19,9 @@ pub(super) fn write_ply(out: &mut dyn Write, surface: &Surface) -> io::Result<()
     }
     writeln!(out, "element face {}", surface.triangle_count())?;
     writeln!(out, "property list uchar uint vertex_indices\nend_header")?;
-    for part in &surface.parts {
-        let [r, g, b] = part.color.rgb();
-        for vertex in part.vertices.clone() {
-            let [x, y, z] = surface.vertices[vertex as usize].as_vec3().to_array();
-            writeln!(out, "{x} {y} {z} {r} {g} {b}")?;
-        }
+    for (vertex, color) in surface.vertices.iter().zip(&surface.colors) {
+        let ([x, y, z], [r, g, b]) = (vertex.as_vec3().to_array(), color.rgb());
+        writeln!(out, "{x} {y} {z} {r} {g} {b}")?;
     }
     for [a, b, c] in surface.parts.iter().flat_map(|part| &part.triangles) {
         writeln!(out, "3 {a} {b} {c}")?;
@@ -32,7 +29,7 @@ pub(super) fn write_ply(out: &mut dyn Write, surface: &Surface) -> io::Result<()
     Ok(())
 }
 
-/// Writes an OBJ file: an object per body and colour, and colours behind the coordinates, as most programs read them.
+/// Writes an OBJ file: an object per body, and colours behind the coordinates, as most programs read them.
 pub(super) fn write_obj(out: &mut dyn Write, surface: &Surface) -> io::Result<()> {
     writeln!(out, "# morph-collide: triangles that touch are red")?;
     for part in &surface.parts {
@@ -43,9 +40,11 @@ pub(super) fn write_obj(out: &mut dyn Write, surface: &Surface) -> io::Result<()
             .map(|c| if c.is_control() { '_' } else { c })
             .collect();
         writeln!(out, "o {name}")?;
-        let [r, g, b] = part.color.rgb().map(|value| f32::from(value) / 255.0);
         for vertex in part.vertices.clone() {
             let [x, y, z] = surface.vertices[vertex as usize].to_array();
+            let [r, g, b] = surface.colors[vertex as usize]
+                .rgb()
+                .map(|value| f32::from(value) / 255.0);
             writeln!(out, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
         }
         for corners in &part.triangles {
@@ -65,9 +64,8 @@ mod tests {
     use super::*;
 
     fn surface() -> Surface {
-        let part = |name: &str, color, first: u32| Part {
+        let part = |name: &str, first: u32| Part {
             name: name.to_owned(),
-            color,
             triangles: vec![[first, first + 1, first + 2]],
             vertices: first..first + 3,
         };
@@ -80,10 +78,8 @@ mod tests {
                 DVec3::X,
                 DVec3::splat(0.1),
             ],
-            parts: vec![
-                part("Body\n1", Color::Body(0), 0),
-                part("Body\n1 touching", Color::Touching, 3),
-            ],
+            colors: [[Color::Body(0); 3], [Color::Touching; 3]].concat(),
+            parts: vec![part("Body\n1", 0), part("Other", 3)],
         }
     }
 
@@ -105,14 +101,11 @@ mod tests {
     }
 
     #[test]
-    fn obj_counts_from_1_and_has_an_object_per_colour() -> io::Result<()> {
+    fn obj_counts_from_1_and_has_an_object_per_body() -> io::Result<()> {
         let mut bytes = Vec::new();
         write_obj(&mut bytes, &surface())?;
         let text = String::from_utf8_lossy(&bytes);
-        assert!(
-            text.contains("o Body_1\n") && text.contains("o Body_1 touching\n"),
-            "{text}"
-        );
+        assert!(text.contains("o Body_1\n") && text.contains("o Other\n"), "{text}");
         assert!(text.contains("v 0.1 0.1 0.1 0.8784 0.1882 0.1569\n"), "{text}");
         assert!(text.ends_with("f 4 5 6\n"), "{text}");
         Ok(())

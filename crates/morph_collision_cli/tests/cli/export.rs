@@ -82,6 +82,57 @@ fn all_formats_hold_the_same_triangles_of_a_scene() -> TestResult {
     Ok(())
 }
 
+/// They were written after all others.
+#[test]
+fn triangles_that_touch_keep_their_numbers() -> TestResult {
+    let dir = tempdir()?;
+    let model = asset("dolphin_564.glb");
+    let bent = ["--weights", "tail_up=0.75"];
+    let query = command()
+        .arg("query")
+        .arg(&model)
+        .args(bent)
+        .args(["--self", "--json"])
+        .output()?;
+    let query: Value = serde_json::from_str(&stdout_of(&query))?;
+    let mut expected = vec![false; 564];
+    for pair in query["pairs"].as_array().ok_or("no pairs")? {
+        for triangle in pair.as_array().ok_or("no pair")? {
+            expected[triangle.as_u64().ok_or("no number")? as usize] = true;
+        }
+    }
+    assert!(expected.contains(&true) && !expected.iter().rev().take(20).all(|is| *is));
+    let source = read_meshes(&model)?.remove(0);
+    let posed = source.posed(&[0.0, 0.75]);
+    for (name, vertex, face, first) in [("a.ply", "", "3 ", 0), ("a.obj", "v ", "f ", 1)] {
+        let out = dir.path().join(name);
+        export(&model, &out, &bent)?;
+        let text = std::fs::read_to_string(&out)?;
+        let of = |start: &str, count: usize| {
+            let lines = text.lines().filter_map(|line| line.strip_prefix(start));
+            let numbers = lines.map(|line| line.split(' ').filter_map(|number| number.parse().ok()).collect());
+            numbers
+                .filter(|numbers: &Vec<f32>| numbers.len() == count)
+                .collect::<Vec<_>>()
+        };
+        let (vertices, faces) = (of(vertex, 6), of(face, 3));
+        assert_eq!(faces.len(), 564, "{name}");
+        for (triangle, face) in faces.iter().enumerate() {
+            for (corner, &source) in face.iter().zip(&source.triangles[triangle]) {
+                let found = &vertices[*corner as usize - first];
+                let at = glam::Vec3::from_slice(found);
+                assert!(at.distance(posed[source as usize]) < 1e-6, "{name} {triangle}");
+                assert_eq!(
+                    found[3] > found[5],
+                    expected[triangle],
+                    "red is the colour of what touches: {name} {triangle}"
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn a_file_on_stdout_is_alone_there() -> TestResult {
     let output = command()

@@ -91,7 +91,7 @@ fn a_target_that_clips_alone_is_found_with_the_weight_that_does() -> TestResult 
     // Four targets, one of which is stored although it moves nothing, and the frames of a clip.
     assert_eq!(
         (&mesh["pairs_at_rest"], &mesh["shapes"]),
-        (&1.into(), &(4 * 4 + 30).into())
+        (&1.into(), &(4 * 4 + 31).into())
     );
     let found = findings(&report);
     let [finding] = found[..] else {

@@ -14,6 +14,7 @@ use morph_collision_testkit::nearest::suggestion;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::scenes::Scene;
 
+use crate::clips::ToldClips;
 use crate::error::CliError;
 use crate::progress;
 
@@ -35,6 +36,9 @@ pub(crate) struct FileArgs {
     /// or symbolic links that lead elsewhere.
     #[arg(long, help_heading = "Files")]
     allow_any_path: bool,
+    /// What the user was told about clips.
+    #[arg(skip)]
+    pub(crate) told: ToldClips,
 }
 
 impl FileArgs {
@@ -214,22 +218,6 @@ pub(crate) fn count_memory(
 ) -> Result<(), CliError> {
     let taken = file.budget().take(bytes, 1, what);
     taken.map_err(|over| mesh_error(file, index, over.into()))
-}
-
-/// Adds the clips of the weights of a mesh, as a node shows it, or else its main node. All of them have to be valid.
-pub(crate) fn read_clips(
-    file: &GltfFile,
-    index: usize,
-    node: Option<usize>,
-    mesh: &mut MorphMesh,
-) -> Result<(), CliError> {
-    let node = node.or_else(|| file.main_node(index));
-    let clips = file.clips(index, node, mesh.targets.len());
-    if let Some(broken) = clips.broken.into_iter().next() {
-        return Err(broken.into());
-    }
-    mesh.animations = clips.clips;
-    Ok(())
 }
 
 fn mesh_error(file: &GltfFile, mesh: usize, reason: MeshError) -> CliError {

@@ -12,10 +12,10 @@ use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
-use crate::clips::ClipChoice;
+use crate::clips::{ClipChoice, read_clips};
 use crate::error::CliError;
 use crate::frame_times::time_in_clip;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_clips};
+use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory};
 use crate::progress;
 
 /// Which mesh of a model, and in which shape.
@@ -130,9 +130,11 @@ impl ShapeArgs {
         count_memory(&file, index, mesh.tree_bytes(), || "its tree".into())?;
         let mut clips = ClipChoice::default();
         if let Some(name) = &self.clip {
-            read_clips(&file, index, None, &mut mesh)?;
-            clips = ClipChoice::find(name, &file, &mesh, None)
-                .map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+            let broken = read_clips(files, &file, index, None, &mut mesh, None);
+            clips = ClipChoice::find(name, &file, &mesh, None, &broken).map_err(|error| CliError::Flag {
+                flag: "--clip",
+                reason: error.reason(),
+            })?;
         }
         let seconds = time_in_clip(self.time, clips.duration(&mesh, None), self.is_loop);
         let weights = self.weights_of(&mesh, clips, seconds)?;

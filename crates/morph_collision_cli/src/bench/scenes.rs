@@ -5,8 +5,9 @@ use std::path::Path;
 use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
 
 use super::BenchArgs;
+use crate::clips::read_clips;
 use crate::error::CliError;
-use crate::model_file::{count_memory, read_clips, read_mesh};
+use crate::model_file::{count_memory, read_mesh};
 use crate::output;
 
 /// An experiment, and how errors refer to it.
@@ -97,7 +98,7 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, entrants: &[Entrant]) 
     count_memory(&file, index, bytes, || {
         format!("its trees for {bodies} bodies and {} methods", entrants.len())
     })?;
-    read_clips(&file, index, None, &mut mesh)?;
+    read_clips(&args.files, &file, index, None, &mut mesh, None);
     Ok(BenchScene {
         experiment: Experiment::of_model(name, mesh, usize::from(args.bodies), usize::from(args.every)),
         origin: model.display().to_string(),

@@ -13,9 +13,9 @@ use morph_collision_testkit::scenes::SceneBody;
 use morph_collision_testkit::skeleton::Skeleton;
 
 use super::SetUp;
-use crate::clips::ClipChoice;
+use crate::clips::{BrokenClips, ClipChoice, NoClip, read_clips};
 use crate::error::CliError;
-use crate::model_file::{FileArgs, count_memory, read_clips, read_mesh};
+use crate::model_file::{FileArgs, count_memory, read_mesh};
 
 /// A mesh as a node shows it: the file, the mesh's index and the node's.
 type Origin = (PathBuf, usize, Option<usize>);
@@ -33,8 +33,8 @@ pub(super) struct Library<'a> {
     instances: Vec<Option<Vec<Affine3A>>>,
     origins: Vec<Origin>,
     known: HashMap<Origin, usize>,
-    /// For each mesh, whether its weight clips have been read.
-    has_clips: Vec<bool>,
+    /// For each mesh, the clips that cannot be played; `None` until its clips have been read.
+    broken: Vec<Option<BrokenClips>>,
 }
 
 impl<'a> Library<'a> {
@@ -48,7 +48,7 @@ impl<'a> Library<'a> {
             instances: Vec::new(),
             origins: Vec::new(),
             known: HashMap::new(),
-            has_clips: Vec::new(),
+            broken: Vec::new(),
         }
     }
 
@@ -98,7 +98,7 @@ impl<'a> Library<'a> {
         self.instances.push(None);
         self.known.insert(origin.clone(), self.origins.len());
         self.origins.push(origin);
-        self.has_clips.push(false);
+        self.broken.push(None);
         Ok(self.meshes.len() - 1)
     }
 
@@ -138,20 +138,22 @@ impl<'a> Library<'a> {
     }
 
     /// Reads the clips of a mesh's weights, unless that was done before.
-    pub(super) fn read_clips(&mut self, mesh: usize) -> Result<(), CliError> {
+    pub(super) fn read_clips(&mut self, mesh: usize) {
         let (path, index, node) = &self.origins[mesh];
-        if let (false, Some(file)) = (self.has_clips[mesh], self.files.get(path)) {
-            read_clips(file, *index, *node, &mut self.meshes[mesh])?;
-            self.has_clips[mesh] = true;
+        if let (None, Some(file)) = (&self.broken[mesh], self.files.get(path)) {
+            let (placement, mesh_data) = (self.placements[mesh].as_ref(), &mut self.meshes[mesh]);
+            let broken = read_clips(self.options, file, *index, *node, mesh_data, placement);
+            self.broken[mesh] = Some(broken);
         }
-        Ok(())
     }
 
     /// The clips of a mesh with this name; its clips have been read.
     pub(super) fn clip(&self, mesh: usize, name: &str) -> Result<ClipChoice, String> {
         let file = self.files.get(&self.origins[mesh].0);
         let file = file.ok_or("its file was not read")?;
-        ClipChoice::find(name, file, &self.meshes[mesh], self.placements[mesh].as_ref())
+        let broken = self.broken[mesh].as_ref().ok_or("its clips were not read")?;
+        let placement = self.placements[mesh].as_ref();
+        ClipChoice::find(name, file, &self.meshes[mesh], placement, broken).map_err(NoClip::reason)
     }
 
     /// Counts the memory of the trees of all meshes and of each body's own data.

@@ -26,7 +26,7 @@ use crate::model_file::{FileArgs, MeshChoice, STANDARD};
 use crate::output;
 use crate::output_file::OutputFile;
 use crate::posed::Posed;
-use crate::scene::build::{Candidate, Meshes, ModelSpec, candidates, number_names, quoted, scene_of};
+use crate::scene::build::{Candidate, Meshes, ModelSpec, candidates, clips_of, number_names, quoted, scene_of};
 use crate::scene::is_scene;
 use crate::shape_args::{ShapeArgs, WeightArg};
 use crate::touching::{Among, Search, Touch};
@@ -246,13 +246,12 @@ impl ExportArgs {
         let (file, found) = candidates(&spec, all, &self.drawn, &self.files)?;
         let mut states = self.weights(&found)?;
         if let Some(name) = &self.shape.clip {
-            let clips: Vec<_> = found.iter().map(|candidate| candidate.clip(&file, name)).collect();
-            if clips.iter().all(Result::is_err) {
-                let reason = clips.into_iter().find_map(Result::err).unwrap_or_default();
-                return Err(CliError::Flag { flag: "--clip", reason });
-            }
+            let clips = clips_of(&found, &file, name).map_err(|error| CliError::Flag {
+                flag: "--clip",
+                reason: error.reason(),
+            })?;
             for (state, clip) in states.iter_mut().zip(clips) {
-                if let Ok((name, length)) = clip {
+                if let Some((name, length)) = clip {
                     state.clip = Some(name);
                     state.time = Some(time_in_clip(self.shape.time, length, self.shape.is_loop));
                 }

@@ -10,8 +10,9 @@ use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
 use super::poses::Tried;
+use crate::clips::{BrokenClips, read_clips};
 use crate::error::CliError;
-use crate::model_file::{count_memory, read_clips, read_mesh};
+use crate::model_file::{count_memory, read_mesh};
 use crate::output;
 
 /// A mesh to try.
@@ -27,6 +28,8 @@ pub(super) struct Subject {
     pub(super) own_targets: usize,
     /// The first triangle of the garment.
     pub(super) garment_from: Option<u32>,
+    /// The clips that cannot be played.
+    pub(super) broken: BrokenClips,
 }
 
 /// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
@@ -52,7 +55,7 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
         if is_garment && args.mesh.is_none() {
             continue;
         }
-        match subject(file, index, garment.as_ref()) {
+        match subject(args, file, index, garment.as_ref()) {
             Ok(subject) => subjects.push(subject),
             Err(error) if args.mesh.is_some() => return Err(error),
             Err(error) => output::complain(format_args!("warning: left out: {error}")),
@@ -71,14 +74,15 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
     Ok(subjects)
 }
 
-fn subject(file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<Subject, CliError> {
+fn subject(args: &LintArgs, file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<Subject, CliError> {
     let mut mesh = read_mesh(file, index, None)?;
-    read_clips(file, index, None, &mut mesh)?;
+    let broken = read_clips(&args.files, file, index, None, &mut mesh, None);
     let mut subject = Subject {
         index,
         own_targets: mesh.targets.len(),
         materials: file.material_names(index),
         garment_from: None,
+        broken,
         mesh,
     };
     if let Some(garment) = garment {

@@ -6,7 +6,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::printable::Printable;
 
 use super::capture::Capture;
-use crate::clips::{ClipChoice, clip_names};
+use crate::clips::{BrokenClips, ClipChoice, clip_names};
 use crate::error::CliError;
 use crate::frame_times::FrameTimes;
 
@@ -165,17 +165,20 @@ impl Stage<'_> {
 pub(super) fn clip_stages(
     file: &GltfFile,
     mesh: &MorphMesh,
+    broken: &BrokenClips,
     wanted: &[String],
     fps: f32,
     is_loop: bool,
 ) -> Result<Vec<Stage<'static>>, CliError> {
     let names = match wanted {
-        [] => clip_names(file, mesh, None),
+        [] => clip_names(file, mesh, None, broken),
         _ => wanted.to_vec(),
     };
     let stage = |name: String| {
-        let choice =
-            ClipChoice::find(&name, file, mesh, None).map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+        let choice = ClipChoice::find(&name, file, mesh, None, broken).map_err(|error| CliError::Flag {
+            flag: "--clip",
+            reason: error.reason(),
+        })?;
         let times = FrameTimes::of_clip(choice.duration(mesh, None), fps, is_loop);
         Ok(Stage::Clip { name, choice, times })
     };

@@ -72,7 +72,14 @@ pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> 
     };
     lint.look_at_rest()?;
     lint.try_targets()?;
-    for stage in clip_stages(file, mesh, &args.clip, args.fps.unwrap_or(30.0), args.is_loop)? {
+    for stage in clip_stages(
+        file,
+        mesh,
+        &subject.broken,
+        &args.clip,
+        args.fps.unwrap_or(30.0),
+        args.is_loop,
+    )? {
         lint.try_stage(&stage)?;
     }
     for path in &args.capture {

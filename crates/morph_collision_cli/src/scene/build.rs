@@ -10,11 +10,11 @@ use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_testkit::skeleton::Skeleton;
 
-use crate::clips::{ClipChoice, clip_names};
+use crate::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::{FrameTimes, time_in_clip};
-use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_clips, read_mesh, show_with};
+use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_mesh, show_with};
 use crate::output;
 
 /// A model file and which of its meshes: `FILE`, `FILE#MESH` or `FILE#all`.
@@ -64,6 +64,7 @@ struct Shown {
     placement: Option<Skeleton>,
     /// The names of the animations that move it.
     clips: Vec<String>,
+    broken: BrokenClips,
 }
 
 impl Candidate {
@@ -78,11 +79,48 @@ impl Candidate {
     }
 
     /// The name of one of its clips, and the clip's length in seconds.
-    pub(crate) fn clip(&self, file: &GltfFile, name: &str) -> Result<(String, f32), String> {
-        let Shown { mesh, placement, .. } = &*self.shown;
-        let choice = ClipChoice::find(name, file, mesh, placement.as_ref())?;
+    pub(crate) fn clip(&self, file: &GltfFile, name: &str) -> Result<(String, f32), NoClip> {
+        let Shown {
+            mesh,
+            placement,
+            broken,
+            ..
+        } = &*self.shown;
+        let choice = ClipChoice::find(name, file, mesh, placement.as_ref(), broken)?;
         Ok((name.to_owned(), choice.duration(mesh, placement.as_ref())))
     }
+}
+
+/// The clip of each body that has one. `name` is the name of an animation, or its index.
+///
+/// # Errors
+/// No body has such a clip, or the clip of one is broken.
+pub(crate) fn clips_of(found: &[Candidate], file: &GltfFile, name: &str) -> Result<Vec<Option<(String, f32)>>, NoClip> {
+    let mut clips = Vec::with_capacity(found.len());
+    let mut unknown = None;
+    for candidate in found {
+        match candidate.clip(file, name) {
+            Ok(clip) => clips.push(Some(clip)),
+            Err(reason) if reason.is_broken() => return Err(reason),
+            Err(reason) => {
+                unknown.get_or_insert(reason);
+                clips.push(None);
+            }
+        }
+    }
+    match unknown {
+        Some(reason) if clips.iter().all(Option::is_none) => Err(reason),
+        _ => Ok(clips),
+    }
+}
+
+/// The animations that move bodies, in the order of the file. Those that cannot be played for one of the bodies are left out.
+pub(crate) fn playable(found: &[Candidate], file: &GltfFile) -> Vec<String> {
+    let moving: HashSet<&String> = found.iter().flat_map(Candidate::clips).collect();
+    let names = file.animation_names().into_iter().enumerate();
+    let is_whole = |index: usize| !found.iter().any(|candidate| candidate.shown.broken.has(index));
+    let wanted = names.filter(|(index, name)| moving.contains(name) && is_whole(*index));
+    wanted.map(|(_, name)| name).collect()
 }
 
 /// The bodies of a model's file. With `nodes`, there is one body for each node that shows a mesh, and for each of its instances, and it stands
@@ -104,7 +142,7 @@ pub(crate) fn candidates(
         })?;
     }
     for of_mesh in wanted.chunk_by(|a, b| a.mesh == b.mesh) {
-        match file.budget().lend(|| of_one_mesh(spec, nodes, &file, of_mesh)) {
+        match file.budget().lend(|| of_one_mesh(spec, nodes, files, &file, of_mesh)) {
             Ok(bodies) => found.extend(bodies),
             Err(error) if is_one => return Err(error),
             Err(error) => output::complain(format_args!("warning: left out: {error}")),
@@ -152,7 +190,13 @@ fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> 
 }
 
 /// The bodies of a mesh, read once.
-fn of_one_mesh(spec: &ModelSpec, nodes: bool, file: &GltfFile, of_mesh: &[Drawn]) -> Result<Vec<Candidate>, CliError> {
+fn of_one_mesh(
+    spec: &ModelSpec,
+    nodes: bool,
+    files: &FileArgs,
+    file: &GltfFile,
+    of_mesh: &[Drawn],
+) -> Result<Vec<Candidate>, CliError> {
     let index = of_mesh[0].mesh;
     let mut mesh = read_mesh(file, index, of_mesh[0].node)?;
     // Only names, clips and skeletons are needed.
@@ -177,10 +221,10 @@ fn of_one_mesh(spec: &ModelSpec, nodes: bool, file: &GltfFile, of_mesh: &[Drawn]
         if let Some(skin) = &mut mesh.skin {
             skin.sets = Vec::new();
         }
-        read_clips(file, index, node, &mut mesh)?;
         let is_placed = nodes && mesh.skin.is_none();
         let placement = node.filter(|_| is_placed);
         let placement = placement.map(|node| file.placement(index, node)).transpose()?;
+        let broken = read_clips(files, file, index, node, &mut mesh, placement.as_ref());
         let is_named = nodes || (mesh.skin.is_some() && of_mesh.len() > 1);
         let node = node.filter(|_| is_named);
         let body = SceneBody {
@@ -191,8 +235,13 @@ fn of_one_mesh(spec: &ModelSpec, nodes: bool, file: &GltfFile, of_mesh: &[Drawn]
             name: Some(node.map_or_else(|| mesh.name.clone(), |node| file.node_name(node))),
             comment: None,
         };
-        let clips = clip_names(file, &mesh, placement.as_ref());
-        let shown = Rc::new(Shown { mesh, placement, clips });
+        let clips = clip_names(file, &mesh, placement.as_ref(), &broken);
+        let shown = Rc::new(Shown {
+            mesh,
+            placement,
+            clips,
+            broken,
+        });
         found.push(Candidate { body, shown });
     }
     Ok(found)

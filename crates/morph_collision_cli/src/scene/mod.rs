@@ -13,6 +13,7 @@ use clap::Args;
 use morph_collision_testkit::scenes::{BodyState, Scene};
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
+use crate::clips::NoClip;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::FrameTimes;
@@ -117,7 +118,8 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
                 None => None,
                 Some(clip) => match candidate.clip(&file, clip) {
                     Ok(clip) => Some(clip),
-                    Err(reason) => {
+                    Err(NoClip::Broken(reason)) => return Err(CliError::Flag { flag: "--clip", reason }),
+                    Err(NoClip::Unknown(reason)) => {
                         complaint.get_or_insert(format!("{}: {reason}", spec.file.display()));
                         None
                     }

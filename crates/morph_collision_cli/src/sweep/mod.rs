@@ -20,7 +20,7 @@ use crate::model_file::{FileArgs, MeshChoice};
 use crate::output_file::OutputFile;
 use crate::posed::Posed;
 use crate::scene::build::{
-    Candidate, Meshes, ModelSpec, candidates, check_frames, frames_of_clips, number_names, scene_of,
+    Meshes, ModelSpec, candidates, check_frames, clips_of, frames_of_clips, number_names, playable, scene_of,
 };
 use crate::scene::{fps, is_scene};
 use crate::touching::Among;
@@ -155,24 +155,21 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
     }
     let (file, found) = candidates(&spec, true, &args.drawn, &args.files)?;
     let names = if args.clip.is_empty() {
-        let moves = |name: &String| found.iter().any(|candidate| candidate.clips().contains(name));
-        file.animation_names().into_iter().filter(moves).collect()
+        playable(&found, &file)
     } else {
         args.clip.clone()
     };
     let fps = args.fps.unwrap_or(30.0);
     let (mut frames, mut labels) = (Vec::new(), Vec::new());
     for name in &names {
-        let of_bodies: Vec<_> = found
+        let clips = clips_of(&found, &file, name).map_err(|error| CliError::Flag {
+            flag: "--clip",
+            reason: error.reason(),
+        })?;
+        let seconds = clips
             .iter()
-            .map(|candidate: &Candidate| candidate.clip(&file, name))
-            .collect();
-        let lengths = of_bodies.iter().filter_map(|clip| Some(clip.as_ref().ok()?.1));
-        let Some(seconds) = lengths.reduce(f32::max) else {
-            let reason = of_bodies.into_iter().find_map(Result::err).unwrap_or_default();
-            return Err(CliError::Flag { flag: "--clip", reason });
-        };
-        let clips: Vec<_> = of_bodies.into_iter().map(Result::ok).collect();
+            .flatten()
+            .fold(0.0, |longest: f32, (_, length)| longest.max(*length));
         let times = FrameTimes::of_clip(seconds, fps, args.is_loop);
         let all = times.len().saturating_add(frames.len());
         check_frames(all, clips.len(), BYTES_PER_STATE, &args.files, "--fps")?;

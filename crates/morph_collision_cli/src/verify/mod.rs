@@ -11,8 +11,9 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::SetUpError;
 use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare, verify_motion};
 
+use crate::clips::read_clips;
 use crate::error::CliError;
-use crate::model_file::{FileArgs, MeshChoice, count_memory, read_clips};
+use crate::model_file::{FileArgs, MeshChoice, count_memory};
 use crate::{Verdict, output, progress};
 use batch::BatchReport;
 use report::{VerifyReport, WhichMesh};
@@ -177,7 +178,7 @@ impl VerifyArgs {
         let (file, index, mut mesh) = self.files.open_mesh(model, mesh, flag)?;
         let trees = self.leaf_sizes().len() as u64 * mesh.tree_bytes();
         count_memory(&file, index, trees, || "its trees".into())?;
-        read_clips(&file, index, None, &mut mesh)?;
+        read_clips(&self.files, &file, index, None, &mut mesh, None);
         Ok((index, mesh))
     }
 }

@@ -120,3 +120,97 @@ fn a_clip_of_any_length_is_refused_instead_of_filling_the_memory() -> TestResult
     );
     Ok(())
 }
+
+/// Its only clip has a sampler whose interpolation is a number. Nothing touches.
+fn bad_clip() -> PathBuf {
+    data("c47_interpolation_is_a_number.glb")
+}
+
+/// The warnings of a run that must not have failed.
+fn warnings(output: &Output) -> String {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    stderr
+        .lines()
+        .filter(|line| line.contains("warning"))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// All of these were errors.
+#[test]
+fn a_bad_clip_spoils_only_itself() -> TestResult {
+    let (model, dir) = (bad_clip(), tempdir()?);
+    let out = dir.path().join("out.ply").display().to_string();
+    let scene = dir.path().join("scene.json");
+    for (name, args) in [
+        ("export", &["--output", &*out][..]),
+        ("verify", &["--frames", "20"]),
+        ("scene", &["--output", &scene.display().to_string()]),
+        ("bench", &["--every", "100", "--rounds", "1"]),
+        ("sweep", &[]),
+        ("lint", &["--mixtures", "3"]),
+    ] {
+        let told = warnings(&run(name, &model, args)?);
+        assert!(
+            told.contains("warning: left out: ") && told.contains("animation 0 \"clip\""),
+            "{name}: {told}"
+        );
+        assert_eq!(told.matches("animation 0").count(), 1, "{name}: {told}");
+    }
+    assert_eq!(warnings(&run("run", &scene, &[])?), "");
+    assert_eq!(warnings(&run("query", &model, &["--self"])?), "");
+    Ok(())
+}
+
+#[test]
+fn a_bad_clip_that_is_asked_for_is_an_error_with_its_reason() -> TestResult {
+    let (model, dir) = (bad_clip(), tempdir()?);
+    let out = dir.path().join("out.ply").display().to_string();
+    for (name, args) in [
+        ("query", &["--self"][..]),
+        ("export", &["--output", &out]),
+        ("scene", &[]),
+        ("sweep", &[]),
+        ("lint", &["--mixtures", "0"]),
+    ] {
+        for clip in ["clip", "0"] {
+            let output = run(name, &model, &[args, &["--clip", clip]].concat())?;
+            let stderr = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{name}: {stderr}");
+            assert!(
+                stderr.contains("error: --clip: ") && stderr.contains("animation 0 \"clip\": channel 0"),
+                "{name}: {stderr}"
+            );
+        }
+    }
+    let state = serde_json::json!({"bodies": [{"model": model}], "frames": [[{"clip": "clip"}]]});
+    let scene = crate::support::write_scene(dir.path(), &state)?;
+    let output = run("run", &scene, &[])?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        stderr.contains("frame 0, body 0: ") && stderr.contains("channel 0"),
+        "{stderr}"
+    );
+    Ok(())
+}
+
+/// It was "no clip", although the file has it.
+#[test]
+fn a_bad_clip_of_joints_gives_its_reason() -> TestResult {
+    let (_dir, path) = crate::skins::model()?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    for sampler in gltf["animations"][0]["samplers"].as_array_mut().ok_or("no samplers")? {
+        sampler["interpolation"] = "BOUNCE".into();
+    }
+    std::fs::write(&path, gltf.to_string())?;
+    let output = run("query", &path, &["--self", "--clip", "rise"])?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        stderr.contains("unknown interpolation") && !stderr.contains("no clip"),
+        "{stderr}"
+    );
+    let told = warnings(&run("sweep", &path, &[])?);
+    assert_eq!(told.matches("animation 0").count(), 1, "{told}");
+    Ok(())
+}

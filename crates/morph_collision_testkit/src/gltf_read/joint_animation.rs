@@ -7,9 +7,9 @@ use super::accessor::{FRACTIONS, POINTS, TIMES};
 use super::animation::check_times;
 use super::channels::Animated;
 use super::document::{Animation, Channel};
-use super::error::{AccessorProblem, AnimationProblem, ReadError};
+use super::error::{AccessorProblem, AnimationProblem, ReadError, Remedy};
 use super::skin::Hierarchy;
-use crate::skeleton::{Interpolation, JointChannel, JointClip, Property};
+use crate::skeleton::{BrokenClip, Interpolation, JointChannel, JointClip, Property};
 
 /// The clips that move the joints of a mesh, in the order of the file.
 #[derive(Debug, Default)]
@@ -38,7 +38,23 @@ impl GltfFile {
         }
     }
 
-    pub(super) fn clips_of(&self, hierarchy: &Hierarchy) -> JointClips {
+    /// Adds the clips that move a skeleton, and why others cannot be played, as far as the memory allows.
+    pub(super) fn add_clips(&self, hierarchy: &mut Hierarchy) {
+        let found = self.clips_of(hierarchy);
+        hierarchy.skeleton.clips = found.clips;
+        for error in found.broken {
+            let ReadError::Animation { animation, .. } = error else {
+                continue;
+            };
+            let reason = error.to_string() + &Remedy::hint(error.remedy());
+            let bytes = (size_of::<BrokenClip>() + reason.len()) as u64;
+            if self.budget.take(bytes, 2, String::new).is_ok() {
+                hierarchy.skeleton.broken.push(BrokenClip { animation, reason });
+            }
+        }
+    }
+
+    fn clips_of(&self, hierarchy: &Hierarchy) -> JointClips {
         let mut found = JointClips::default();
         let names = self.animation_table();
         for index in self.root.animations.indices() {

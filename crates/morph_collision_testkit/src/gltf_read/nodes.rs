@@ -96,7 +96,7 @@ impl GltfFile {
     /// The node does not exist, or it or a node above it is malformed.
     pub fn placement(&self, mesh: usize, node: usize) -> Result<Skeleton, ReadError> {
         let mut hierarchy = self.hierarchy_of_node(mesh, node)?;
-        hierarchy.skeleton.clips = self.clips_of(&hierarchy).clips;
+        self.add_clips(&mut hierarchy);
         Ok(hierarchy.skeleton)
     }
 

@@ -31,7 +31,7 @@ impl GltfFile {
     /// `None` if the node has no skin, and for a mesh without influences.
     ///
     /// The transform of the node is not used, because joints take vertices directly to world space. Clips that cannot be played are left out;
-    /// [`GltfFile::joint_clips`] says why.
+    /// [`Skeleton::broken`] says why.
     ///
     /// # Errors
     /// [`ReadError::Skin`] names the skin, the node, or the primitive and the accessor at fault.
@@ -49,7 +49,7 @@ impl GltfFile {
         };
         let sets = influences::read(self, json).map_err(fail)?;
         let mut hierarchy = self.hierarchy(skin).map_err(fail)?;
-        hierarchy.skeleton.clips = self.clips_of(&hierarchy).clips;
+        self.add_clips(&mut hierarchy);
         let skeleton = hierarchy.skeleton;
         Ok(Some(MeshSkin { sets, skeleton }))
     }

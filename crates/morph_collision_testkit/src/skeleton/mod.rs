@@ -22,6 +22,17 @@ pub struct Skeleton {
     pub joints: Vec<Joint>,
     /// Clips that move nodes.
     pub clips: Vec<JointClip>,
+    /// Animations of the file that were to move nodes and cannot be played.
+    pub broken: Vec<BrokenClip>,
+}
+
+/// An animation of a file that cannot be played.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BrokenClip {
+    /// Its index in the file.
+    pub animation: usize,
+    /// Why; names the file, the animation and the channel.
+    pub reason: String,
 }
 
 /// A node of a skeleton: a joint, or an ancestor of one.
@@ -125,7 +136,7 @@ impl Skeleton {
         Self {
             nodes: (0..joint_count).map(node).collect(),
             joints: (0..joint_count as u32).map(joint).collect(),
-            clips: Vec::new(),
+            ..Self::default()
         }
     }
 }

@@ -52,7 +52,7 @@ impl Bones {
         Skeleton {
             nodes: both.enumerate().map(node).collect(),
             joints: self.positions.iter().enumerate().map(joint).collect(),
-            clips: Vec::new(),
+            ..Skeleton::default()
         }
     }
 }

@@ -49,8 +49,8 @@ fn a_build_takes_at_most_three_times_what_remains() {
         random::random_blob(1, 5, 30, 0.9),
         random::random_blob(1, 5, 30, 0.5),
         random::random_blob(1, 5, 30, 0.0),
-        rigs::tube(1, 30, 40, 40),
-        rigs::branching(2, 40, 40, 20),
+        rigs::tube(1, 30, 16, 40),
+        rigs::branching(2, 40, 8, 20),
     ];
     for name in ["mh_character.glb", "ict_face_skin.glb"] {
         if let Some(path) = real_model(name) {

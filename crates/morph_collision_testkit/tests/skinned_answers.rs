@@ -74,6 +74,28 @@ fn rigs_of_every_kind_are_answered_right() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Meshes with more than eight influences per vertex were refused.
+#[test]
+fn any_number_of_influences_is_answered_right() -> Result<(), Box<dyn Error>> {
+    let mut pairs = 0;
+    for (influences, seed) in [1, 4, 5, 8, 9, 12, 16].into_iter().zip(20..) {
+        let sets = usize::div_ceil(influences, 4);
+        let body = rigs::branching(seed, 18, influences, 2);
+        let soup = rigs::random_soup(seed, 80, 30, 2, sets);
+        for mesh in [&body, &soup] {
+            let skin = mesh.skin.as_ref().ok_or("no skin")?;
+            assert_eq!(skin.sets.len(), sets);
+        }
+        let unnormalised = rigs::unnormalised(&body, seed);
+        let nearly = rigs::nearly_normalised(&soup, seed);
+        for meshes in [[&body, &soup], [&unnormalised, &body], [&nearly, &unnormalised]] {
+            pairs += assert_right(meshes, 8, seed)?.pairs_truth;
+        }
+    }
+    assert!(pairs > 5000, "{pairs}");
+    Ok(())
+}
+
 #[test]
 fn a_skinned_body_and_one_without_a_skin_are_answered_right() -> Result<(), Box<dyn Error>> {
     let (rig, dolphin) = (

@@ -10,10 +10,10 @@ pub enum ModelError {
     /// The mesh has no triangles.
     #[error("the mesh has no triangles")]
     NoTriangles,
-    /// There are more vertices, triangles, targets, joints or sets of influences than supported.
+    /// There are more vertices, triangles, targets, joints or influences than supported.
     #[error("the mesh has {count} {what}, at most {limit} are supported")]
     TooMany {
-        /// "vertices", "triangles", "targets", "joints" or "sets of influences".
+        /// "vertices", "triangles", "targets", "joints" or "influences".
         what: &'static str,
         /// The number of them.
         count: usize,
@@ -59,6 +59,14 @@ pub enum ModelError {
         joint: u16,
         /// Its weight.
         weight: f32,
+    },
+    /// The joint weights of a vertex sum to more than 8000.
+    #[error("vertex {vertex}: its joint weights sum to {sum}, at most 8000 are supported")]
+    WeightsTooLarge {
+        /// The vertex.
+        vertex: usize,
+        /// The sum of its weights.
+        sum: f64,
     },
     /// The length of a target or a set of influences differs from the base's.
     #[error("{shape} has {length} vertices, the base has {expected}")]

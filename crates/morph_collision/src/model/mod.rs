@@ -16,7 +16,7 @@ pub use error::ModelError;
 pub(crate) use morph_model::LARGEST;
 pub use morph_model::MorphModel;
 pub use skin::Influences;
-pub(crate) use skin::{Influence, Skin};
+pub(crate) use skin::{Influence, Skin, sum_rounding};
 pub use targets::{SparseTarget, TargetDisplacements};
 pub use weight_box::WeightBox;
 pub(crate) use weights::Weights;

@@ -83,12 +83,13 @@ impl MorphModel {
 
     /// Creates a model of a skinned mesh. Targets displace vertices first, then joints move them.
     ///
-    /// `base`, `triangles` and `targets` are as in [`MorphModel::from_displacements`]. Pass one or two sets of influences, for up to eight per
-    /// vertex. If a vertex's weights do not sum to 1, it is pulled towards the world's origin, as GPUs draw it.
+    /// `base`, `triangles` and `targets` are as in [`MorphModel::from_displacements`]. Pass any number of sets of influences, each with four
+    /// per vertex. If a vertex's weights do not sum to 1, it is pulled towards the world's origin, as GPUs draw it.
     ///
     /// # Errors
     /// As for [`MorphModel::from_displacements`], and if a set of influences and the base have different lengths, an influence has a weight
-    /// that is NaN, negative or more than 1000, or its joint is out of range. The error names the vertex, the influence and the joint.
+    /// that is NaN, negative or more than 1000, its joint is out of range, or the weights of a vertex sum to more than 8000. The error names
+    /// the vertex, the influence and the joint.
     pub fn skinned<T: TargetDisplacements>(
         base: &[Vec3],
         triangles: &[[u32; 3]],

@@ -9,7 +9,7 @@ use glam::Vec3A;
 use super::ModelError;
 use crate::joints::JointMatrices;
 
-/// Up to four joints per vertex and their weights, as glTF stores them (`JOINTS_0` and `WEIGHTS_0`).
+/// Up to four joints per vertex and their weights, as glTF stores them (`JOINTS_0` and `WEIGHTS_0`). A mesh may have any number of such sets.
 ///
 /// An influence with weight 0 is ignored, even if its joint does not exist.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +20,12 @@ pub struct Influences<'a> {
     pub weights: &'a [[f32; 4]],
 }
 
-/// The maximum number of sets of influences: a vertex has at most eight influences.
-const MAX_SETS: usize = 2;
-/// The largest weight allowed. Together with [`JointMatrices::LARGEST`] it keeps vertices in the range of the exact tests.
+/// The largest weight allowed.
 const MAX_WEIGHT: f32 = 1000.0;
+/// The largest sum of a vertex's weights allowed. Together with [`JointMatrices::LARGEST`] it keeps vertices in the range of the exact tests.
+const MAX_SUM: f64 = 8000.0;
+/// Bounds on rounding errors count at least this many influences per vertex.
+pub(crate) const FEW_INFLUENCES: usize = 8;
 
 /// A joint that moves a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +42,8 @@ pub(crate) struct Skin {
     influences: Vec<Influence>,
     /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in slot order.
     starts: Vec<u32>,
+    /// The largest number of a vertex's influences, or [`FEW_INFLUENCES`] if that is more.
+    most: usize,
     /// The largest sum of a vertex's weights, rounded up.
     max_sum: f64,
     /// The largest difference between the sum of a vertex's weights and 1, rounded up.
@@ -54,6 +58,7 @@ impl Skin {
             joint_count: all.joint_count,
             influences: Vec::with_capacity(vertices.iter().flat_map(of).count()),
             starts: Vec::with_capacity(vertices.len() + 1),
+            most: FEW_INFLUENCES,
             max_sum: 0.0,
             max_missing: 0.0,
         };
@@ -62,9 +67,10 @@ impl Skin {
             let first = skin.influences.len();
             skin.influences.extend(influences);
             skin.starts.push(skin.influences.len() as u32);
-            let of_vertex = skin.influences[first..].iter();
-            let sum: f64 = of_vertex.map(|influence| f64::from(influence.weight)).sum();
-            let rounding = 8.0 * f64::EPSILON * (1.0 + sum);
+            let of_vertex = &skin.influences[first..];
+            let sum: f64 = of_vertex.iter().map(|influence| f64::from(influence.weight)).sum();
+            let rounding = sum_rounding(of_vertex.len()) * (1.0 + sum);
+            skin.most = skin.most.max(of_vertex.len());
             skin.max_sum = skin.max_sum.max(sum + rounding);
             skin.max_missing = skin.max_missing.max((1.0 - sum).abs() + rounding);
         }
@@ -73,6 +79,11 @@ impl Skin {
 
     pub(crate) fn joint_count(&self) -> usize {
         self.joint_count
+    }
+
+    /// The largest number of a vertex's influences, or [`FEW_INFLUENCES`] if that is more.
+    pub(crate) fn most_influences(&self) -> usize {
+        self.most
     }
 
     pub(crate) fn max_sum(&self) -> f64 {
@@ -135,6 +146,11 @@ impl Skin {
     }
 }
 
+/// A bound on the relative rounding error of a sum of this many weights in `f64`.
+pub(crate) fn sum_rounding(terms: usize) -> f64 {
+    terms.max(FEW_INFLUENCES) as f64 * f64::EPSILON
+}
+
 /// Checked influences, as they were passed in.
 pub(super) struct SlotInfluences<'a> {
     joint_count: usize,
@@ -145,7 +161,6 @@ impl<'a> SlotInfluences<'a> {
     /// Checks influences of this many vertices.
     pub(super) fn checked(vertices: usize, joint_count: usize, sets: &'a [Influences<'a>]) -> Result<Self, ModelError> {
         super::check::count("joints", joint_count, usize::from(u16::MAX) - 1)?;
-        super::check::count("sets of influences", sets.len(), MAX_SETS)?;
         for (set, Influences { joints, weights }) in sets.iter().enumerate() {
             for (what, length) in [("joints", joints.len()), ("weights", weights.len())] {
                 if length != vertices {
@@ -158,7 +173,9 @@ impl<'a> SlotInfluences<'a> {
             }
         }
         let influences = Self { joint_count, sets };
+        let mut count = 0;
         for vertex in 0..vertices {
+            let mut sum = 0.0;
             for (slot, (joint, weight)) in influences.slots(vertex).enumerate() {
                 if !(0.0..=MAX_WEIGHT).contains(&weight) {
                     return Err(ModelError::BadInfluence {
@@ -176,8 +193,14 @@ impl<'a> SlotInfluences<'a> {
                         joint_count,
                     });
                 }
+                sum += f64::from(weight);
+                count += usize::from(weight > 0.0);
+            }
+            if sum > MAX_SUM {
+                return Err(ModelError::WeightsTooLarge { vertex, sum });
             }
         }
+        super::check::count("influences", count, u32::MAX as usize)?;
         Ok(influences)
     }
 

@@ -48,6 +48,41 @@ fn the_error_of_joint_weights_is_the_largest_of_all_vertices() {
 }
 
 #[test]
+fn a_vertex_may_have_any_number_of_influences_up_to_a_sum_of_their_weights() {
+    let build = |sets: usize, weight: f32| {
+        let influences = Influences {
+            joints: &[[0, 1, 0, 1]; 3],
+            weights: &[[weight; 4]; 3],
+        };
+        let none: [[Vec3; 3]; 0] = [];
+        MorphModel::skinned(&CORNERS, &[[0, 1, 2]], &none, 2, &vec![influences; sets])
+    };
+    // 12 influences were refused before, and so were all of more sets.
+    for sets in [0, 1, 2, 3, 4, 40] {
+        let weight = 0.25 / sets.max(1) as f32;
+        let model = build(sets, weight).unwrap();
+        let sum = 4.0 * f64::from(weight) * sets as f64;
+        let error = model.joint_weight_error().unwrap();
+        assert!((error - (1.0 - sum).abs()).abs() < 1e-12, "{sets} sets: {error}");
+    }
+    // As much as eight influences could have: more would leave the range of the exact tests.
+    assert!(build(2, 1000.0).is_ok() && build(4, 500.0).is_ok());
+    let refused = build(3, 1000.0).unwrap_err();
+    assert_eq!(
+        refused,
+        ModelError::WeightsTooLarge {
+            vertex: 0,
+            sum: 12_000.0
+        }
+    );
+    assert!(
+        refused
+            .to_string()
+            .starts_with("vertex 0: its joint weights sum to 12000")
+    );
+}
+
+#[test]
 fn unusable_meshes_are_refused_with_what_and_where() {
     type Targets = Vec<Vec<Vec3>>;
     let none: Targets = Vec::new();

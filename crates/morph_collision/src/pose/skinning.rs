@@ -119,9 +119,12 @@ impl Skinning {
             // The factor covers the rounding of blends.
             self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2);
         }
-        let sum = tree.model.skin().map_or(1.0, Skin::max_sum);
-        // Up to eight products and sums for the matrix, and three of each for the position.
-        self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
+        let (sum, influences) = tree
+            .model
+            .skin()
+            .map_or((1.0, 1), |skin| (skin.max_sum(), skin.most_influences()));
+        // A product and a sum per influence for the matrix, and three of each for the position.
+        self.error = 4.0 * influences as f64 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
         self.frame_is_used(tree.skin, BODY_FRAME);
         let place = self.frames[BODY_FRAME].place;
         if let Some(skin) = tree.model.skin() {

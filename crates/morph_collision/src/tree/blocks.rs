@@ -1,5 +1,7 @@
 //! Arranges the clusters of a group's children side by side.
 
+use std::collections::BTreeMap;
+
 use super::clusters::{Cluster, Interval};
 use super::extents::TargetExtents;
 use crate::bounds::{LANES, Lanes};
@@ -90,6 +92,7 @@ const SCATTERING: usize = 190;
 #[derive(Default)]
 struct Needs {
     pivots: Vec<u16>,
+    /// Ascending.
     rows: Vec<u16>,
     /// Ascending.
     targets: Vec<u16>,
@@ -98,16 +101,17 @@ struct Needs {
 impl Needs {
     /// How many more instructions the block takes with this cluster.
     fn cost_of(&self, cluster: &Cluster) -> usize {
-        let image = |others: &[u16], joint| if others.contains(&joint) { 0 } else { IMAGE };
+        let image = |is_there| if is_there { 0 } else { IMAGE };
+        let has_row = |joint: &u16| self.rows.binary_search(joint).is_ok();
         let strongest = cluster.strongest();
         let pivot = if self.pivots.contains(&strongest) {
             0
         } else {
-            PIVOT + image(&self.rows, strongest)
+            PIVOT + image(has_row(&strongest))
         };
         let others = cluster.others().map(|weight| weight.joint);
-        let rows = others.filter(|joint| !self.rows.contains(joint));
-        let rows: usize = rows.map(|joint| ROW + image(&self.pivots, joint)).sum();
+        let rows = others.filter(|joint| !has_row(joint));
+        let rows: usize = rows.map(|joint| ROW + image(self.pivots.contains(&joint))).sum();
         let is_new = |target: &&TargetExtents| self.targets.binary_search(&target.target).is_err();
         let targets = cluster.extents.targets.iter().filter(is_new).count();
         pivot + rows + TARGET * targets
@@ -116,13 +120,12 @@ impl Needs {
     /// Adds a cluster and returns its cost.
     fn add(&mut self, cluster: &Cluster) -> usize {
         let cost = self.cost_of(cluster);
-        let add = |joints: &mut Vec<u16>, joint| {
-            if !joints.contains(&joint) {
-                joints.push(joint);
-            }
-        };
-        add(&mut self.pivots, cluster.strongest());
-        cluster.others().for_each(|weight| add(&mut self.rows, weight.joint));
+        if !self.pivots.contains(&cluster.strongest()) {
+            self.pivots.push(cluster.strongest());
+        }
+        self.rows.extend(cluster.others().map(|weight| weight.joint));
+        self.rows.sort_unstable();
+        self.rows.dedup();
         let targets = cluster.extents.targets.iter().map(|target| target.target);
         self.targets.extend(targets);
         self.targets.sort_unstable();
@@ -140,6 +143,7 @@ pub(super) struct Steps {
 
 pub(super) fn steps(lanes: &[Lane<'_>]) -> Steps {
     let mut steps = Steps::default();
+    let mut places = BTreeMap::new();
     for (lane, (_, cluster)) in lanes.iter().enumerate() {
         let Some(cluster) = cluster else { continue };
         match steps.pivots.iter_mut().find(|(joint, _)| *joint == cluster.strongest()) {
@@ -147,11 +151,7 @@ pub(super) fn steps(lanes: &[Lane<'_>]) -> Steps {
             None => steps.pivots.push((cluster.strongest(), 1 << lane)),
         }
         for &Interval { joint, low, high } in cluster.others() {
-            let place = steps
-                .rows
-                .iter()
-                .position(|row| row.0 == joint)
-                .unwrap_or(steps.rows.len());
+            let place = *places.entry(joint).or_insert(steps.rows.len());
             if place == steps.rows.len() {
                 steps.rows.push((joint, [Lanes::default(); 2]));
             }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::extents::NodeExtents;
-use crate::model::{Influence, MorphModel, Skin};
+use crate::model::{Influence, MorphModel, Skin, sum_rounding};
 
 /// Second joints with less weight than this do not split clusters (docs/skinning.md).
 const MIN_SECOND: f32 = 0.05;
@@ -60,11 +60,12 @@ impl Cluster {
 
     /// The cluster of one vertex with these extents.
     fn with_joints(skin: &Skin, vertex: u32, extents: NodeExtents) -> Self {
-        let mut weights = summed(skin.influences(vertex));
-        let (missing, origin) = (1.0 - sum(skin.influences(vertex)), skin.joint_count() as u16);
+        let influences = skin.influences(vertex);
+        let mut weights = summed(influences);
+        let (missing, origin) = (1.0 - sum(influences), skin.joint_count() as u16);
         let is_missing = missing.abs() > MISSING;
         if is_missing {
-            let (low, high) = outward(missing);
+            let (low, high) = outward(missing, influences.len());
             weights.push(Interval {
                 joint: origin,
                 low,
@@ -90,7 +91,7 @@ impl Cluster {
             missing: if is_missing || missing == 0.0 {
                 0.0
             } else {
-                outward(missing.abs()).1
+                outward(missing.abs(), influences.len()).1
             },
         }
     }
@@ -124,10 +125,8 @@ impl Cluster {
         joints.dedup();
         let weights = joints.into_iter().map(|joint| {
             let of = |part: &Self| {
-                part.weights
-                    .iter()
-                    .find(|w| w.joint == joint)
-                    .map_or([0.0; 2], |w| [w.low, w.high])
+                let found = part.weights.binary_search_by_key(&joint, |w| w.joint);
+                found.map_or([0.0; 2], |place| [part.weights[place].low, part.weights[place].high])
             };
             let ends = parts.iter().map(of);
             let hull = |[low, high]: [f32; 2], [l, h]: [f32; 2]| [low.min(l), high.max(h)];
@@ -156,7 +155,7 @@ fn summed(influences: &[Influence]) -> Vec<Interval> {
     let sums = sorted.chunk_by(|a, b| a.joint == b.joint).map(|of| {
         let (low, high) = match of {
             [one] => (one.weight, one.weight),
-            several => outward(sum(several)),
+            several => outward(sum(several), several.len()),
         };
         Interval {
             joint: of[0].joint,
@@ -176,9 +175,9 @@ fn sum(influences: &[Influence]) -> f64 {
     if is_exact || sum != 1.0 { sum } else { sum.next_up() }
 }
 
-/// The `f32` numbers below and above a sum of a few weights, with room for its rounding.
-fn outward(sum: f64) -> (f32, f32) {
-    let rounding = 8.0 * f64::EPSILON * (1.0 + sum.abs());
+/// The `f32` numbers below and above a sum of weights, with room for its rounding.
+fn outward(sum: f64, terms: usize) -> (f32, f32) {
+    let rounding = sum_rounding(terms) * (1.0 + sum.abs());
     (crate::bounds::down(sum - rounding), crate::bounds::up(sum + rounding))
 }
 
@@ -186,7 +185,7 @@ fn outward(sum: f64) -> (f32, f32) {
 #[derive(Default)]
 pub(super) struct Shares {
     /// By the keys of clusters, so that sums are rounded as in [`Cluster::joined`].
-    of_clusters: BTreeMap<[u16; 2], Vec<(u16, f32)>>,
+    of_clusters: BTreeMap<[u16; 2], BTreeMap<u16, f32>>,
 }
 
 impl Shares {
@@ -194,16 +193,14 @@ impl Shares {
         let cluster = Cluster::with_joints(skin, vertex, NodeExtents::of_parts(std::iter::empty()));
         let sums = self.of_clusters.entry(cluster.key).or_default();
         for (joint, share) in cluster.shares {
-            match sums.iter_mut().find(|(known, _)| *known == joint) {
-                Some((_, sum)) => *sum += share,
-                None => sums.push((joint, share)),
-            }
+            sums.entry(joint).and_modify(|sum| *sum += share).or_insert(share);
         }
     }
 
     /// The joint with the largest share, or [`NONE`].
     pub(super) fn dominant(&self) -> u16 {
-        largest(self.of_clusters.values().flatten().copied().collect())
+        let all = self.of_clusters.values().flatten();
+        largest(all.map(|(&joint, &share)| (joint, share)).collect())
     }
 }
 

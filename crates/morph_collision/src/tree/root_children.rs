@@ -7,7 +7,7 @@ use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
 use super::topology::Topology;
 use crate::bounds::LANES;
-use crate::model::{MorphModel, Skin};
+use crate::model::{MorphModel, Skin, sum_rounding};
 
 /// The children of the root, whose boxes are blended one by one.
 #[derive(Clone, Default)]
@@ -145,9 +145,10 @@ fn parts(model: &MorphModel, skin: &Skin, vertices: &[u32]) -> Vec<(MovedPart, N
             of_vertex.add_to(&mut extents[place]);
         }
     }
+    let rounding = sum_rounding(skin.most_influences());
     let part = |((joint, share), extents): ((u16, f64), Option<NodeExtents>)| {
-        // Rounded up, with room for the few roundings of a share.
-        let share = crate::bounds::up(share * (1.0 + 64.0 * f64::EPSILON)).min(1.0);
+        // Rounded up, with room for the roundings of two sums and their quotient.
+        let share = crate::bounds::up(share * (1.0 + 8.0 * rounding)).min(1.0);
         Some((MovedPart { joint, share }, extents?))
     };
     let joints = order.into_iter().map(|(_, joint)| joint);

@@ -325,10 +325,9 @@ impl SkinBuilder {
 
 /// The sum of the largest absolute weights of the joints other than the strongest.
 fn weight_of_others(cluster: &Cluster) -> f32 {
-    let sum: f32 = cluster
-        .others()
-        .map(|weight| weight.low.abs().max(weight.high.abs()))
-        .sum();
-    // The factor covers the roundings of a sum of at most a few dozen terms.
-    sum * 1.001
+    let (sum, terms) = cluster.others().fold((0.0_f32, 0.0_f32), |(sum, terms), weight| {
+        (sum + weight.low.abs().max(weight.high.abs()), terms + 1.0)
+    });
+    // The factor covers the roundings of the sum.
+    sum * 1.001_f32.max(1.0 + terms * f32::EPSILON)
 }

@@ -8,12 +8,14 @@ use crate::skeleton::Skeleton;
 
 /// The most joints of a mesh.
 const MOST_JOINTS: usize = 6;
+/// The most influences of a vertex.
+const SLOTS: usize = 16;
 
 impl Draw<'_> {
     /// A mesh of at most 24 triangles, 14 vertices, four targets and six joints; it may not be valid.
     pub(super) fn skinned_mesh(&mut self) -> MorphMesh {
         let joints = self.among(1, MOST_JOINTS);
-        let mut sets = vec![InfluenceSet::default(); self.among(1, 2)];
+        let mut sets = vec![InfluenceSet::default(); self.among(1, SLOTS / 4)];
         let mut mesh = self.mesh_of(14, 24);
         for _ in &mesh.positions {
             let slots = self.influences(joints);
@@ -29,9 +31,9 @@ impl Draw<'_> {
         mesh
     }
 
-    /// Eight influences of a vertex: one, two that sum to 1, several that almost do, or arbitrary ones.
-    fn influences(&mut self, joints: usize) -> [(u16, f32); 8] {
-        let mut slots = [(0, 0.0); 8];
+    /// The influences of a vertex: one, two that sum to 1, several that almost do, or arbitrary ones.
+    fn influences(&mut self, joints: usize) -> [(u16, f32); SLOTS] {
+        let mut slots = [(0, 0.0); SLOTS];
         let joint = |draw: &mut Self| draw.among(0, joints - 1) as u16;
         match self.byte() % 8 {
             0..3 => slots[0] = (joint(self), 1.0),
@@ -41,7 +43,7 @@ impl Draw<'_> {
                 slots[1] = (joint(self), 1.0 - share);
             }
             5 => {
-                let used = self.among(1, 8);
+                let used = self.among(1, SLOTS);
                 let parts: Vec<_> = (0..used).map(|_| (joint(self), f32::from(self.byte()) + 1.0)).collect();
                 let sum: f32 = parts.iter().map(|part| part.1).sum();
                 for (slot, (joint, part)) in slots.iter_mut().zip(parts) {
@@ -50,7 +52,7 @@ impl Draw<'_> {
             }
             _ => {
                 for _ in 0..self.among(0, 4) {
-                    slots[self.among(0, 7)] = (joint(self), self.number().abs().min(1000.0));
+                    slots[self.among(0, SLOTS - 1)] = (joint(self), self.number().abs().min(1000.0));
                 }
             }
         }

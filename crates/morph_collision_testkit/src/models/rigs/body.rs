@@ -21,7 +21,7 @@ const LEAST_SHARE: f64 = 1e-4;
 
 /// One tube along a bent chain of joints, about 2 units long.
 ///
-/// `influences` (1 to 8) is the largest number per vertex; more than 4 need a second set.
+/// `influences` (at least 1) is the largest number per vertex; each four take a set.
 pub fn tube(seed: u64, joints: usize, influences: usize, targets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let joints = joints.max(2);
@@ -47,7 +47,7 @@ pub fn tube(seed: u64, joints: usize, influences: usize, targets: usize) -> Morp
 /// A tube around every bone of a random tree of joints, about 2 units across. The tubes overlap at the
 /// joints.
 ///
-/// `influences` (1 to 8) is the largest number per vertex; more than 4 need a second set.
+/// `influences` (at least 1) is the largest number per vertex; each four take a set.
 pub fn branching(seed: u64, joints: usize, influences: usize, targets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let joints = joints.max(2);
@@ -147,7 +147,7 @@ fn rigged(
         mesh.targets.push(displaced.collect());
         mesh.target_names.push(format!("target_{target}"));
     }
-    let influences = influences.clamp(1, 8);
+    let influences = influences.max(1);
     let of_vertices: Vec<_> = pieces.positions.iter().map(|p| shares(bones, *p, influences)).collect();
     let sets = (0..influences.div_ceil(4)).map(|set| InfluenceSet {
         joints: of_vertices
@@ -166,9 +166,9 @@ fn rigged(
     mesh
 }
 
-/// The joints nearest to a point, with shares that sum to 1. Distances are to the bones that begin at the
+/// The joints nearest to a point, with shares that sum to 1, in whole sets of four. Distances are to the bones that begin at the
 /// joints.
-fn shares(bones: &Bones, p: DVec3, influences: usize) -> [(u16, f32); 8] {
+fn shares(bones: &Bones, p: DVec3, influences: usize) -> Vec<(u16, f32)> {
     let mut squares = vec![f64::INFINITY; bones.positions.len()];
     for (joint, parent) in bones.parents.iter().enumerate() {
         let end = bones.positions[joint].as_dvec3();
@@ -194,7 +194,7 @@ fn shares(bones: &Bones, p: DVec3, influences: usize) -> [(u16, f32); 8] {
     let largest = nearest.first().map_or(0.0, |(_, share)| *share);
     nearest.retain(|(_, share)| *share >= LEAST_SHARE * largest);
     let sum: f64 = nearest.iter().map(|(_, share)| share).sum();
-    let mut slots = [(0, 0.0); 8];
+    let mut slots = vec![(0, 0.0); influences.next_multiple_of(4)];
     for (slot, (joint, share)) in slots.iter_mut().zip(nearest) {
         *slot = (joint, (share / sum) as f32);
     }

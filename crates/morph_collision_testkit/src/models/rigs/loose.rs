@@ -58,18 +58,18 @@ pub fn random_soup(seed: u64, triangles: usize, joints: usize, targets: usize, s
         vec![None; joints],
         (0..joints).map(|_| point(&mut rng, 1.0)).collect::<Vec<_>>(),
     );
-    let slots = 4 * sets.clamp(1, 2);
+    let slots = 4 * sets.max(1);
     let mut of_slots = vec![InfluenceSet::default(); slots / 4];
     for _ in &mesh.positions {
         let used = rng.random_range(1..=slots);
         let near = rng.random_range(0..joints);
-        let mut weights = [0.0_f32; 8];
+        let mut weights = vec![0.0_f32; slots];
         for weight in weights.iter_mut().take(used) {
             *weight = rng.random_range(1..=64_u8).into();
         }
         // Unused slots may be anywhere.
         let turn = rng.random_range(0..slots);
-        weights[..slots].rotate_left(turn);
+        weights.rotate_left(turn);
         let sum: f32 = weights.iter().sum();
         for (set, influences) in of_slots.iter_mut().enumerate() {
             let joint = |rng: &mut Pcg64Mcg| {

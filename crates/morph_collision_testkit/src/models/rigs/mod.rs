@@ -73,6 +73,7 @@ mod tests {
             tube(1, 6, 4, 2),
             branching(2, 20, 8, 3),
             branching(5, MOST_JOINTS, 3, 0),
+            tube(6, 20, 12, 0),
         ];
         bodies.into_iter().chain(loose).collect()
     }
@@ -92,6 +93,7 @@ mod tests {
                 "tube_1" => 4,
                 "branching_2" | "soup_rig_4" => 8,
                 "branching_5" => 3,
+                "tube_6" => 12,
                 _ => 1,
             };
             assert_eq!(most, Some(expected), "{}", mesh.name);

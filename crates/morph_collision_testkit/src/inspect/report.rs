@@ -151,7 +151,12 @@ impl MeshReport {
     fn read(file: &GltfFile, index: usize, drawn: &DrawnNodes) -> Self {
         let mut found = match file.mesh(index) {
             Ok(found) => found,
-            Err(error) => return Self::broken(file, index, &error),
+            Err(error) => {
+                return Self {
+                    nodes: NodeReport::all(file, index, drawn),
+                    ..Self::broken(file, index, &error)
+                };
+            }
         };
         let clips = file.clips(index, None, found.mesh.targets.len());
         let joint_clips = file.joint_clips(index, None);

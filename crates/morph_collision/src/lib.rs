@@ -29,7 +29,8 @@
 //! | Which triangles of many pairs of bodies intersect, on several threads? | [`BatchQuery`](batch::BatchQuery), on [`Workers`](batch::Workers) |
 //! | Where do two bodies touch, how deep, and which way is out? | [`ContactQuery`], [`triangle_contact`] |
 //! | What touches while bodies move from one pose to another? When? What does a bullet hit? | [`MotionQuery`](motion::MotionQuery) |
-//! | How far apart are two bodies? | [`DistanceQuery`] |
+//! | How far apart are two bodies? Which of their triangles are closer than a distance? | [`DistanceQuery`] |
+//! | Which triangles of one body come closer to each other than a distance? | [`SelfDistanceQuery`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
 //! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
@@ -66,16 +67,16 @@ mod traverse;
 mod tree;
 
 pub use bounds::{Aabb, Kernel, WorldFromModel};
-pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
+pub use exact::{Triangle, TriangleContact, triangle_contact, triangle_distance, triangles_intersect};
 pub use input_error::InputError;
 pub use joints::JointMatrices;
 pub use model::{Influences, ModelError, MorphModel, SparseTarget, TargetDisplacements};
 pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 pub use query::{
     Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,
-    PairMemory, PairQuery, PlacedShape, QueryStats, Rank, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeCastHit,
-    ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch, motion,
-    touching_regions,
+    PairMemory, PairQuery, PlacedShape, QueryStats, Rank, Ray, RayHit, RayQuery, SelfDistanceQuery, SelfQuery, Shape,
+    ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch,
+    motion, touching_regions,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};

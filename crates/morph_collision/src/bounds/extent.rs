@@ -28,6 +28,14 @@ impl Extent {
         }
     }
 
+    /// A box enlarged by a length to all sides.
+    pub(crate) fn around(of: &Aabb, by: f64) -> Self {
+        Self {
+            min: of.min.as_dvec3() - by,
+            max: of.max.as_dvec3() + by,
+        }
+    }
+
     pub(crate) fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),

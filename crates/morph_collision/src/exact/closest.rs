@@ -258,6 +258,14 @@ pub(crate) fn closest_of_triangles(a: &Triangle, b: &Triangle) -> ClosestPoints 
     best
 }
 
+/// The distance of two closed triangles, which may be degenerate.
+///
+/// It is 0 if and only if they share a point. Otherwise its error is a few roundings of the largest distance between the six corners.
+#[must_use]
+pub fn triangle_distance(a: &Triangle, b: &Triangle) -> f64 {
+    closest_of_triangles(a, b).squared.sqrt()
+}
+
 /// The point of a segment closest to where its line crosses a triangle's plane; `None` if the line and the plane are parallel.
 fn plane_crossing([p, q]: Segment, &[a, b, c]: &Triangle) -> Option<DVec3> {
     let normal = (b - a).cross(c - a);

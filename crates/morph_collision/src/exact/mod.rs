@@ -19,6 +19,7 @@ mod region;
 mod segment;
 mod triangle;
 
+pub use closest::triangle_distance;
 pub(crate) use closest::{
     ClosestPoints, TrianglePoint, closest_of_segment_and_triangle, closest_of_segments, closest_of_triangles,
     closest_on_segment, closest_on_triangle, closest_on_triangle_exactly,

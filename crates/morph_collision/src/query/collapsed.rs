@@ -66,6 +66,24 @@ impl Collapsed {
             visitor(TrianglePair { triangle_a, triangle_b }, &corners_a, &corners_b)
         })
     }
+
+    /// Calls `visitor` for all pairs of triangles whose boxes are at most `limit` apart, a squared distance, until it breaks.
+    pub(super) fn near(
+        &mut self,
+        limit: f64,
+        stats: &mut QueryStats,
+        mut visitor: impl FnMut(TrianglePair, &Triangle, &Triangle) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Self { a, b, walk } = self;
+        walk.run([a, b], squared_distance, (limit, u64::MAX), stats, |a, b, _| {
+            for &([corners_a], triangle_a) in a {
+                for &([corners_b], triangle_b) in b {
+                    visitor(TrianglePair { triangle_a, triangle_b }, &corners_a, &corners_b)?;
+                }
+            }
+            ControlFlow::Continue(limit)
+        })
+    }
 }
 
 fn squared_distance([a]: &[Extent; 1], [b]: &[Extent; 1]) -> f64 {

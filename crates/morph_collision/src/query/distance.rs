@@ -1,4 +1,5 @@
 mod best;
+mod within;
 
 use std::ops::ControlFlow;
 
@@ -13,7 +14,7 @@ use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, Extent, GapFrame};
-use crate::exact::{Triangle, largest};
+use crate::exact::{ClosestPoints, Triangle, closest_of_triangles, largest};
 use crate::input_error::{InputError, check_length};
 use crate::pose::{Posed, Standing};
 use crate::traverse::{NearestStack, walk_nearest};
@@ -149,6 +150,20 @@ impl DistanceQuery {
         }
         *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         Ok(best.pair)
+    }
+}
+
+impl ClosestPair {
+    /// The closest points of two triangles.
+    pub(super) fn of(pair: TrianglePair, corners_a: &Triangle, corners_b: &Triangle) -> Self {
+        let ClosestPoints { on_a, on_b, squared } = closest_of_triangles(corners_a, corners_b);
+        Self {
+            triangle_a: pair.triangle_a,
+            triangle_b: pair.triangle_b,
+            point_a: on_a,
+            point_b: on_b,
+            distance: squared.sqrt(),
+        }
     }
 }
 

@@ -21,4 +21,4 @@ pub(crate) use nearest::{NearestStack, walk_nearest};
 pub(crate) use one::{Queue, walk_one};
 pub(crate) use overlap::{Order, OverlapWalk};
 pub use sweep::overlapping_pairs;
-pub(crate) use within::{SelfStack, walk_within};
+pub(crate) use within::{SelfStack, walk_near, walk_within};

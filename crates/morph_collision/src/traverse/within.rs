@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::bounds::{LANES, with_simd};
+use crate::bounds::{Aabb, LANES, with_simd};
 use crate::pose::{BoxTree, NodeRef};
 use crate::tree::{Apart, ChildKind, Leaf};
 
@@ -18,6 +18,18 @@ pub(crate) fn walk_within<T: BoxTree>(
     front: &[Apart],
     stack: &mut SelfStack,
     most: u64,
+    at_leaves: impl FnMut(&mut T, Leaf, Leaf) -> ControlFlow<()>,
+) -> u64 {
+    walk_near(tree, front, stack, most, |bounds| bounds, at_leaves)
+}
+
+/// Like [`walk_within`], for boxes that overlap after one of the two is enlarged by `enlarge`.
+pub(crate) fn walk_near<T: BoxTree>(
+    tree: &mut T,
+    front: &[Apart],
+    stack: &mut SelfStack,
+    most: u64,
+    enlarge: impl Fn(Aabb) -> Aabb,
     mut at_leaves: impl FnMut(&mut T, Leaf, Leaf) -> ControlFlow<()>,
 ) -> u64 {
     let mut tests = 0;
@@ -26,7 +38,7 @@ pub(crate) fn walk_within<T: BoxTree>(
         let (above, lane) = (step.node.group as usize, usize::from(step.node.lane));
         let slot = tree.open(above);
         let node = tree.node(slot, above, lane);
-        tests += push_pairs_with(tree, step.group as usize, step.mask, node, stack);
+        tests += push_pairs_with(tree, step.group as usize, step.mask, node, &enlarge, stack);
         while let Some((a, b)) = stack.pop() {
             let (group, other) = match (a.child.kind(), b.child.kind()) {
                 (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => {
@@ -42,7 +54,7 @@ pub(crate) fn walk_within<T: BoxTree>(
                     if a_is_larger { (group_a, b) } else { (group_b, a) }
                 }
             };
-            tests += push_pairs_with(tree, group, u8::MAX, other, stack);
+            tests += push_pairs_with(tree, group, u8::MAX, other, &enlarge, stack);
             if tests > most {
                 return tests;
             }
@@ -51,10 +63,17 @@ pub(crate) fn walk_within<T: BoxTree>(
     tests
 }
 
-/// Pushes `other` with every child of a group in `mask` whose box overlaps it.
+/// Pushes `other` with every child of a group in `mask` whose box overlaps its enlarged box.
 #[inline(always)]
-fn push_pairs_with(tree: &mut impl BoxTree, group: usize, mask: u8, other: NodeRef, stack: &mut SelfStack) -> u64 {
-    let bounds = tree.node_box(other);
+fn push_pairs_with(
+    tree: &mut impl BoxTree,
+    group: usize,
+    mask: u8,
+    other: NodeRef,
+    enlarge: impl Fn(Aabb) -> Aabb,
+    stack: &mut SelfStack,
+) -> u64 {
+    let bounds = enlarge(tree.node_box(other));
     let slot = tree.open(group);
     let children = tree.topology().group(group).mask() & mask;
     let mask = with_simd!(tree.level(), simd => tree.boxes(slot).overlap_mask(simd, &bounds)) & children;

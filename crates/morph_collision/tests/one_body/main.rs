@@ -11,3 +11,4 @@ mod rays;
 mod reference;
 mod regions;
 mod shape;
+mod within;

@@ -37,6 +37,12 @@ pub(crate) enum CliError {
     NotAModel { file: PathBuf },
     #[error("{}: no usable mesh: {reason}", file.display())]
     NoUsableMesh { file: PathBuf, reason: String },
+    /// `lint` has nothing to try.
+    #[error(
+        "{}: nothing was tried: no target and no animation moves any of its meshes; `morph-collide query --self` tells where a mesh touches itself at rest",
+        file.display()
+    )]
+    NothingTried { file: PathBuf },
     /// A body of a scene cannot be read.
     #[error("{}: body {body}: {reason}", scene.display())]
     SceneBody {

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use std::{fmt, io};
 
 use clap::Args;
+use morph_collision::ModelError;
 use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::memory::{self, MemoryBudget};
@@ -13,10 +14,11 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::nearest::suggestion;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::scenes::Scene;
+use morph_collision_testkit::unweighted::Unweighted;
 
 use crate::clips::ToldClips;
 use crate::error::CliError;
-use crate::progress;
+use crate::{output, progress};
 
 /// The name of stdin and stdout on the command line.
 pub(crate) const STANDARD: &str = "-";
@@ -207,6 +209,26 @@ pub(crate) fn show_with(
     mesh.skin = file.skin(index, node)?;
     mesh.default_weights = file.default_weights(index, node, mesh.targets.len())?;
     Ok(())
+}
+
+/// Leaves out the triangles of a skinned mesh that have a vertex without joint weights, and says so.
+///
+/// # Errors
+/// No triangle is left.
+pub(crate) fn leave_out_unweighted(
+    file: &GltfFile,
+    index: usize,
+    mesh: &mut MorphMesh,
+) -> Result<Option<Unweighted>, CliError> {
+    let unweighted = mesh.leave_out_unweighted();
+    if let Some(unweighted) = &unweighted {
+        let (path, name) = (file.path().display(), Printable(&mesh.name));
+        output::complain(format_args!("warning: {path}: mesh {index} \"{name}\": {unweighted}"));
+        if mesh.triangles.is_empty() {
+            return Err(mesh_error(file, index, ModelError::NoTriangles.into()));
+        }
+    }
+    Ok(unweighted)
 }
 
 /// Counts `bytes` for data derived from a mesh against the file's memory budget.

@@ -1,6 +1,12 @@
 //! Finds the triangles that touch among posed bodies, within each body and between them.
 
-use morph_collision::{PairQuery, SelfQuery, TrianglePair, overlapping_pairs};
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+use morph_collision::{
+    Aabb, ClosestPair, DistanceQuery, InputError, PairQuery, SelfDistanceQuery, SelfQuery, TrianglePair,
+    overlapping_pairs,
+};
 
 use crate::posed::Posed;
 
@@ -29,19 +35,33 @@ pub(crate) enum Among {
 pub(crate) struct Search {
     of_one: SelfQuery,
     of_two: PairQuery,
+    near_in_one: SelfDistanceQuery,
+    near_of_two: DistanceQuery,
+    /// Pairs that are at most this far apart count, too.
+    gap: Option<f64>,
     pairs: Vec<TrianglePair>,
 }
 
 impl Search {
+    /// A search that also finds pairs that do not touch but are at most `gap` apart, which must not be negative.
+    pub(crate) fn within(gap: Option<f64>) -> Self {
+        Self { gap, ..Self::default() }
+    }
+
     /// Appends all pairs that touch, ascending. Returns false if there are more than `most`; then some are missing.
     pub(crate) fn touching(&mut self, bodies: &mut [Posed], among: Among, most: usize, found: &mut Vec<Touch>) -> bool {
+        let gap = self.gap;
         let start = found.len();
         let mut complete = true;
         if among != Among::Bodies {
             for (index, body) in bodies.iter_mut().enumerate() {
                 self.pairs.clear();
                 let room = most.saturating_sub(found.len());
-                complete &= !self.of_one.up_to(&mut body.pose, room, &mut self.pairs);
+                let (pose, pairs) = (&mut body.pose, &mut self.pairs);
+                complete &= match gap {
+                    None => !self.of_one.up_to(pose, room, pairs),
+                    Some(gap) => up_to(room, pairs, |visitor| self.near_in_one.within(pose, gap, visitor)),
+                };
                 found.extend(self.pairs.iter().map(|&pair| Touch {
                     bodies: [index; 2],
                     pair,
@@ -49,7 +69,11 @@ impl Search {
             }
         }
         if among != Among::Itself {
-            let bounds: Vec<_> = bodies.iter_mut().map(|body| Some(body.bounds())).collect();
+            let reach = gap.map_or(0.0, |gap| (gap as f32).next_up());
+            let bounds: Vec<_> = bodies
+                .iter_mut()
+                .map(|body| Some(enlarged(body.bounds(), reach)))
+                .collect();
             let mut candidates = Vec::new();
             overlapping_pairs(&bounds, &mut candidates);
             for (a, b) in candidates {
@@ -59,11 +83,50 @@ impl Search {
                 };
                 self.pairs.clear();
                 let room = most.saturating_sub(found.len());
-                complete &= !self.of_two.up_to(first.body(), second.body(), room, &mut self.pairs);
+                let (first, second, pairs) = (first.body(), second.body(), &mut self.pairs);
+                complete &= match gap {
+                    None => !self.of_two.up_to(first, second, room, pairs),
+                    Some(gap) => up_to(room, pairs, |visitor| {
+                        self.near_of_two.within(first, second, gap, visitor)
+                    }),
+                };
                 found.extend(self.pairs.iter().map(|&pair| Touch { bodies: both, pair }));
             }
         }
         found[start..].sort_unstable();
         complete
+    }
+}
+
+/// Appends the pairs that a query visits. Returns false if there are more than `room`, or if the query refuses its distance.
+fn up_to(
+    room: usize,
+    pairs: &mut Vec<TrianglePair>,
+    query: impl FnOnce(&mut dyn FnMut(ClosestPair) -> ControlFlow<()>) -> Result<(), InputError>,
+) -> bool {
+    let mut is_complete = true;
+    let visited = query(&mut |found| {
+        is_complete = pairs.len() < room;
+        if !is_complete {
+            return ControlFlow::Break(());
+        }
+        pairs.push(TrianglePair {
+            triangle_a: found.triangle_a,
+            triangle_b: found.triangle_b,
+        });
+        ControlFlow::Continue(())
+    });
+    visited.is_ok() && is_complete
+}
+
+/// A box enlarged to all sides, if `reach` is above 0.
+fn enlarged(bounds: Aabb, reach: f32) -> Aabb {
+    if reach <= 0.0 {
+        return bounds;
+    }
+    // Outward, so that rounding makes no box smaller.
+    Aabb {
+        min: Vec3::from_array((bounds.min - reach).to_array().map(f32::next_down)),
+        max: Vec3::from_array((bounds.max + reach).to_array().map(f32::next_up)),
     }
 }

@@ -97,7 +97,10 @@ mod tests {
         let first = expected.iter().filter(|triangle| **triangle < 10).count() as u32;
         assert_eq!(mesh.primitives, [0..first, first..expected.len() as u32]);
         let text = left_out.to_string();
-        assert!(text.starts_with("1 vertex has no joint weights") && text.contains(" triangles with such"), "{text}");
+        assert!(
+            text.starts_with("1 vertex has no joint weights") && text.contains(" triangles with such"),
+            "{text}"
+        );
         assert_eq!(mesh.leave_out_unweighted(), None);
     }
 }

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::members::MeshTriangles;
 use super::report::FindingReport;
 use crate::error::CliError;
 use crate::output::printable_json;
 
-const VERSION: u32 = 1;
-/// A finding is accepted if it is at most this many times as deep as when it was recorded.
-const DEEPER: f64 = 1.1;
+const VERSION: u32 = 2;
+/// A finding is accepted if it is deeper by at most this share of the depth when it was recorded.
+const DEEPER: f64 = 0.1;
 
 /// The file.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -22,12 +23,10 @@ pub(super) struct Baseline {
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Accepted {
-    /// The mesh's name.
-    mesh: String,
     /// What it was found with, such as `target jawOpen`.
     found_with: String,
     depth: f64,
-    triangles: Vec<u32>,
+    meshes: Vec<MeshTriangles>,
 }
 
 impl Baseline {
@@ -47,17 +46,16 @@ impl Baseline {
         match baseline.version {
             VERSION => Ok(baseline),
             version => Err(fail(format!(
-                "has version {version}, but this program reads version {VERSION}"
+                "has version {version}, but this program reads version {VERSION}; write it again with --write-baseline"
             ))),
         }
     }
 
-    pub(super) fn new<'a>(findings: impl Iterator<Item = (&'a str, &'a FindingReport)>) -> Self {
-        let accepted = |(mesh, finding): (&str, &FindingReport)| Accepted {
-            mesh: mesh.to_owned(),
+    pub(super) fn new<'a>(findings: impl Iterator<Item = &'a FindingReport>) -> Self {
+        let accepted = |finding: &FindingReport| Accepted {
             found_with: finding.found_with.clone(),
             depth: finding.depth,
-            triangles: finding.triangles.clone(),
+            meshes: finding.meshes.clone(),
         };
         Self {
             version: VERSION,
@@ -65,20 +63,25 @@ impl Baseline {
         }
     }
 
-    /// Whether a finding is known: the same mesh and source, a common triangle, and hardly deeper.
-    pub(super) fn accepts(&self, mesh: &str, finding: &FindingReport) -> bool {
+    /// Whether a finding is known: the same source, a common triangle of a mesh of the same name, and hardly deeper.
+    pub(super) fn accepts(&self, finding: &FindingReport) -> bool {
         self.accepted.iter().any(|accepted| {
-            accepted.mesh == mesh
-                && accepted.found_with == finding.found_with
-                && finding.depth <= accepted.depth * DEEPER
+            accepted.found_with == finding.found_with
+                && finding.depth <= accepted.depth + DEEPER * accepted.depth.abs()
                 && accepted
-                    .triangles
+                    .meshes
                     .iter()
-                    .any(|triangle| finding.triangles.binary_search(triangle).is_ok())
+                    .any(|known| finding.meshes.iter().any(|mesh| overlap(known, mesh)))
         })
     }
 
     pub(super) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(printable_json(&serde_json::to_string(self)?).as_bytes())
     }
+}
+
+/// Whether two meshes have the same name and a triangle in common.
+fn overlap(one: &MeshTriangles, other: &MeshTriangles) -> bool {
+    let is_in_other = |triangle| other.triangles.binary_search(triangle).is_ok();
+    one.name == other.name && one.triangles.iter().any(is_in_other)
 }

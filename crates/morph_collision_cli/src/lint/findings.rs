@@ -6,9 +6,10 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use glam::Affine3A;
 use morph_collision_testkit::memory::{MemoryBudget, OverBudget};
 
-use super::poses::{Source, Tried};
+use super::poses::Tried;
 use super::regions::Region;
 use super::search::Found;
+use super::source::Source;
 
 /// A place of the mesh that touches itself in at least one shape of a source.
 #[derive(Clone, Debug)]
@@ -105,14 +106,15 @@ impl Findings {
         self.seen.contains(&triangle)
     }
 
-    /// All findings, the deepest first.
+    /// All findings by kind of source; among those of a kind, the deepest first.
     pub(super) fn finish(mut self) -> Vec<Finding> {
         self.end_source();
         let key = |finding: &Finding| (finding.worst.depth, finding.worst.pairs);
         self.done.sort_by(|one, other| {
             let (one_key, other_key) = (key(one), key(other));
+            let by_kind = one.source.kind().cmp(&other.source.kind());
             let by_depth = other_key.0.total_cmp(&one_key.0).then(other_key.1.cmp(&one_key.1));
-            by_depth.then_with(|| one.touching.cmp(&other.touching))
+            by_kind.then(by_depth).then_with(|| one.touching.cmp(&other.touching))
         });
         self.done
     }
@@ -202,6 +204,7 @@ mod tests {
             &budget,
         )?;
         findings.add(&tried(Source::Target(1), 3.0), found(&[(&[1, 2], 0.4)]), &budget)?;
+        findings.add(&tried(Source::Mixtures, 4.0), found(&[(&[1, 2], 0.9)]), &budget)?;
         let found: Vec<_> = findings
             .finish()
             .into_iter()
@@ -213,6 +216,7 @@ mod tests {
                 (Source::Target(0), Some(2.0), vec![1, 2, 5, 6], 0.5),
                 (Source::Target(1), Some(3.0), vec![1, 2], 0.4),
                 (Source::Target(0), Some(2.0), vec![8, 9], 0.3),
+                (Source::Mixtures, Some(4.0), vec![1, 2], 0.9),
             ]
         );
         Ok(())

@@ -33,8 +33,9 @@ pub(super) fn page(report: &LintReport) -> String {
          <title>{title}</title><style>{PAGE_STYLE}{}</style></head><body>\n<h1>{title}</h1>\n",
         picture::STYLE
     );
-    page += "<p>Where the mesh runs into itself although it does not at rest, the deepest first. Depth is how far one triangle would have to \
-             move to leave the one it touches, in the file's unit. <i class=\"r\"></i> and <i class=\"b\"></i> touch each other. Click on \
+    page += "<p>Where the mesh runs into itself although it does not at rest: with single targets, in clips and captures, with pairs of \
+             targets, and in mixtures, each the deepest first. Depth is how far one triangle would have to move to leave the one it touches, in the file's unit; a \
+             negative one is the distance of triangles that do not touch. <i class=\"r\"></i> and <i class=\"b\"></i> touch each other. Click on \
              the weights to select them; they are options of <code>morph-collide query</code> and <code>export</code>.</p>\n";
     for mesh in &report.meshes {
         of_mesh(mesh, &mut page);
@@ -63,6 +64,7 @@ fn of_mesh(mesh: &MeshReport, page: &mut String) {
         *page += "<p>Nothing was found.</p>\n";
         return;
     }
+    let _ = writeln!(page, "<p>{}</p>", escaped(&mesh.by_source()));
     *page += "<table><thead><tr><th class=\"n\" style=\"width:5em\">depth</th><th style=\"width:250px\">picture</th><th>found with</th><th class=\"n\" style=\"width:5em\">pairs</th></tr></thead><tbody>\n";
     for finding in &mesh.findings {
         row(finding, page);

@@ -54,7 +54,7 @@ impl Lint {
         Ok(LintPage {
             html: html::page(&report),
             findings: report.all().count(),
-            shapes: report.meshes.iter().map(|mesh| mesh.shapes).sum(),
+            shapes: report.shapes(),
         })
     }
 

@@ -9,10 +9,11 @@ use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
+use super::members::Member;
 use super::poses::Tried;
 use crate::clips::{BrokenClips, read_clips};
 use crate::error::CliError;
-use crate::model_file::{count_memory, read_mesh};
+use crate::model_file::{count_memory, leave_out_unweighted, read_mesh};
 use crate::output;
 
 /// A mesh to try.
@@ -30,6 +31,10 @@ pub(super) struct Subject {
     pub(super) garment_from: Option<u32>,
     /// The clips that cannot be played.
     pub(super) broken: BrokenClips,
+    /// The file's meshes in it, one after the other.
+    pub(super) members: Vec<Member>,
+    /// The number of triangles that are left out because no joint moves one of their vertices.
+    pub(super) left_out: usize,
 }
 
 /// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
@@ -77,8 +82,11 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
 fn subject(args: &LintArgs, file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<Subject, CliError> {
     let mut mesh = read_mesh(file, index, None)?;
     let broken = read_clips(&args.files, file, index, None, &mut mesh, None);
+    let (member, left_out) = member(file, index, &mut mesh)?;
     let mut subject = Subject {
         index,
+        members: vec![member],
+        left_out,
         own_targets: mesh.targets.len(),
         materials: file.material_names(index),
         garment_from: None,
@@ -88,7 +96,13 @@ fn subject(args: &LintArgs, file: &GltfFile, index: usize, garment: Option<&Garm
     if let Some(garment) = garment {
         let bytes = joined_bytes(&subject.mesh, &garment.mesh);
         count_memory(file, index, bytes, || "it and the garment as one".to_owned())?;
-        subject.garment_from = Some(subject.mesh.triangles.len() as u32);
+        let first = subject.mesh.triangles.len() as u32;
+        subject.garment_from = Some(first);
+        subject.members.push(Member {
+            first,
+            ..garment.member.clone()
+        });
+        subject.left_out += garment.left_out;
         let joined = subject.mesh.joined(&garment.mesh);
         let told = |reason: JoinError| CliError::Flag {
             flag: "--garment",
@@ -101,6 +115,19 @@ fn subject(args: &LintArgs, file: &GltfFile, index: usize, garment: Option<&Garm
         subject.materials.extend(garment.materials.iter().cloned().map(Some));
     }
     Ok(subject)
+}
+
+/// A mesh as the first of a subject, and how many of its triangles are left out.
+fn member(file: &GltfFile, index: usize, mesh: &mut MorphMesh) -> Result<(Member, usize), CliError> {
+    let unweighted = leave_out_unweighted(file, index, mesh)?;
+    let left_out = unweighted.as_ref().map_or(0, |unweighted| unweighted.triangles);
+    let member = Member {
+        mesh: index,
+        name: mesh.name.clone(),
+        first: 0,
+        kept: unweighted.map(|unweighted| unweighted.kept),
+    };
+    Ok((member, left_out))
 }
 
 /// Upper bound on the bytes of two meshes as one. Every target that moves anything has an entry for each vertex of both.
@@ -124,6 +151,8 @@ struct Garment {
     mesh: MorphMesh,
     /// The name of the mesh and of the material of each primitive.
     materials: Vec<String>,
+    member: Member,
+    left_out: usize,
     /// Whether its file is the model.
     is_in_model: bool,
 }
@@ -137,7 +166,8 @@ impl Garment {
             flag: "--garment-mesh",
             reason,
         })?;
-        let mesh = read_mesh(&file, index, None)?;
+        let mut mesh = read_mesh(&file, index, None)?;
+        let (member, left_out) = member(&file, index, &mut mesh)?;
         let materials = file.material_names(index);
         let material = |primitive: usize| match materials.get(primitive) {
             Some(Some(material)) => format!("{} {material}", mesh.name),
@@ -152,6 +182,8 @@ impl Garment {
             index,
             mesh,
             materials,
+            member,
+            left_out,
             is_in_model: same(path, &args.model),
         })
     }

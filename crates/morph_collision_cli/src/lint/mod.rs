@@ -10,6 +10,8 @@ mod findings;
 mod html;
 mod in_memory;
 mod input;
+mod members;
+mod mixtures;
 mod parts;
 mod picture;
 mod poses;
@@ -17,6 +19,7 @@ mod proof;
 mod regions;
 mod report;
 mod search;
+mod source;
 mod suggest;
 mod text;
 mod work;
@@ -27,6 +30,7 @@ use std::path::PathBuf;
 use clap::Args;
 use morph_collision_testkit::gltf_read::GltfFile;
 
+use crate::depth::ThresholdArgs;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD};
@@ -57,8 +61,9 @@ const EXAMPLES: &str = "Examples:
 
 /// Find the weights with which a mesh runs into itself.
 ///
-/// Every mesh that is drawn is tried with each target alone, in every frame of all clips that move it, and with random mixtures of targets; with --pairs
-/// and --capture, also with two targets together and with recorded weights. Pairs of triangles that touch at rest are not reported, and
+/// Every mesh that is drawn is tried with each target alone, in every frame of all clips that move it, and with random mixtures of a few targets; with
+/// --pairs and --capture, also with two targets together and with recorded weights. Findings are listed in this order: single targets, clips,
+/// captures, pairs, and mixtures last. Pairs of triangles that touch at rest are not reported, and
 /// neither are triangles that share a vertex. Of two targets together, only what neither does alone is reported.
 ///
 /// Triangles that touch and are connected form a region, and regions that overlap in several shapes of a target, pair, clip or capture are
@@ -66,7 +71,9 @@ const EXAMPLES: &str = "Examples:
 /// touches, in the file's unit. It is at most about the size of a triangle, so compare findings by it, but do not read it as the thickness
 /// of an overlap.
 ///
-/// The exit code is 1 if there are findings that the baseline does not have. All shapes that are tried are exact, but others may clip, too.
+/// Triangles of a skinned mesh with a vertex without joint weights are left out with a warning.
+///
+/// The exit code is 1 if there are findings that the baseline does not have, and 2 if there was nothing to try. All shapes that are tried are exact, but others may clip, too.
 #[derive(Debug, Default, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct LintArgs {
@@ -85,7 +92,7 @@ pub(crate) struct LintArgs {
     /// Columns that are not named like a target are ignored with a warning. Targets without a column keep the file's default weights.
     #[arg(long, value_name = "WEIGHTS.csv")]
     capture: Vec<PathBuf>,
-    /// Number of random mixtures.
+    /// Number of random mixtures: two to five targets, or weights near those of a random frame of the clips and captures.
     #[arg(long, value_name = "N", default_value_t = MIXTURES)]
     mixtures: usize,
     /// Random seed; the same seed gives the same mixtures.
@@ -109,7 +116,7 @@ pub(crate) struct LintArgs {
     /// Compare each mesh with a garment instead of with itself: a mesh of this file, or of the same one.
     ///
     /// Both must be in the same space. Targets with the same name get the same weights, so a clip or a capture moves both. If joints move the
-    /// mesh, they must move the garment, too, under the same names. Triangles of the garment are numbered after the mesh's.
+    /// mesh, they must move the garment, too, under the same names.
     #[arg(long, value_name = "MODEL2")]
     garment: Option<PathBuf>,
     /// The mesh of --garment: its index in the file, or its name; 0 by default.
@@ -135,6 +142,8 @@ pub(crate) struct LintArgs {
     /// The number of threads; by default, one per core.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    thresholds: ThresholdArgs,
     #[command(flatten)]
     tree: TreeArgs,
     #[command(flatten)]
@@ -184,7 +193,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
     if let Some(baseline) = &baseline {
         for mesh in &mut report.meshes {
             for finding in &mut mesh.findings {
-                finding.accepted = baseline.accepts(&mesh.name, finding);
+                finding.accepted = baseline.accepts(finding);
             }
         }
     }
@@ -207,7 +216,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
     })
 }
 
-/// Tries all shapes of the meshes of an open file.
+/// Tries all shapes of the meshes of an open file. There must be any.
 fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
     let subjects = input::subjects(args, file)?;
     let mut report = LintReport {
@@ -217,5 +226,10 @@ fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
     for subject in &subjects {
         report.meshes.push(work::lint_mesh(args, file, subject)?);
     }
-    Ok(report)
+    match report.shapes() {
+        0 => Err(CliError::NothingTried {
+            file: args.model.clone(),
+        }),
+        _ => Ok(report),
+    }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use morph_collision::{Body, Pose, Triangle, TrianglePair, WorldFromModel, touching_regions, triangle_contact};
 
-use crate::depth::parting_distance;
+use crate::depth::depth;
 
 /// Triangles that touch each other or share vertices.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +16,7 @@ pub(super) struct Region {
     pub(super) first_side: Vec<u32>,
     /// The number of pairs that touch.
     pub(super) pairs: usize,
-    /// The farthest that any of these triangles would have to move to leave the one it touches.
+    /// The farthest that any of these triangles would have to move to leave the one it touches. Below 0 if none touch: minus the distance.
     pub(super) depth: f64,
     /// The diagonal of the box around all contacts.
     pub(super) length: f64,
@@ -51,8 +51,13 @@ impl Building {
         let region = &mut self.region;
         region.triangles.extend([pair.triangle_a, pair.triangle_b]);
         region.first_side.push(pair.triangle_a);
+        let depth = depth(a, b);
+        region.depth = if region.pairs == 0 {
+            depth
+        } else {
+            region.depth.max(depth)
+        };
         region.pairs += 1;
-        region.depth = region.depth.max(parting_distance(a, b));
         for end in triangle_contact(a, b).into_iter().flat_map(|contact| contact.segment) {
             let [low, high] = self.bounds.unwrap_or([end; 2]);
             self.bounds = Some([low.min(end), high.max(end)]);

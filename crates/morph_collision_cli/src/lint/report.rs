@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::numbers::number;
+use morph_collision_testkit::numbers::{Grouped, number};
 use morph_collision_testkit::weight_list::WeightList;
 use serde::Serialize;
 
 use super::findings::Finding;
 use super::input::Subject;
+use super::members::{MeshTriangles, by_mesh};
 use super::parts::Parts;
-use super::poses::Source;
 use super::proof::ProofReport;
+use super::source::{Kind, Source};
 use super::suggest::Suggestion;
 use crate::blame::Blame;
 
@@ -33,8 +34,12 @@ pub(super) struct MeshReport {
     pub(super) targets: usize,
     /// Pairs of triangles that touch at rest. They are not reported.
     pub(super) pairs_at_rest: usize,
+    /// Triangles that are left out because they have a vertex without joint weights.
+    pub(super) left_out: usize,
     /// The number of shapes that were tried.
     pub(super) shapes: usize,
+    /// What was tried, and how much was found with it.
+    pub(super) sources: Vec<SourceReport>,
     /// What is proved for all weights, if it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<ProofReport>,
@@ -44,10 +49,19 @@ pub(super) struct MeshReport {
     pub(super) suggestions: Vec<Suggestion>,
 }
 
+/// The shapes of one kind.
+#[derive(Debug, Serialize)]
+pub(super) struct SourceReport {
+    pub(super) kind: Kind,
+    /// The number of shapes that were tried.
+    pub(super) shapes: usize,
+    pub(super) findings: usize,
+}
+
 #[derive(Debug, Serialize)]
 pub(super) struct FindingReport {
-    /// `target`, `pair`, `clip`, `capture`, `mixture` or `proof`.
-    kind: &'static str,
+    /// `target`, `clip`, `capture`, `pair`, `proof` or `mixture`.
+    kind: Kind,
     /// The kind and a name.
     pub(super) found_with: String,
     /// Seconds of a clip, the row of a capture, or the number of a mixture, from 0.
@@ -75,8 +89,8 @@ pub(super) struct FindingReport {
     weights: WeightList,
     /// Options of `query` and `export` that give the worst shape, without the garment.
     pub(super) reproduce: String,
-    /// The triangles that touch in any of the shapes, ascending.
-    pub(super) triangles: Vec<u32>,
+    /// The triangles that touch in any of the shapes, with their numbers in their meshes.
+    pub(super) meshes: Vec<MeshTriangles>,
     /// Whether the baseline has it.
     pub(super) accepted: bool,
     /// An SVG, for the page.
@@ -118,7 +132,7 @@ impl FindingReport {
             joints,
             weights: WeightList::Named(weights),
             reproduce,
-            triangles: finding.touching.clone(),
+            meshes: by_mesh(&subject.members, &finding.touching),
             accepted: false,
             picture: None,
         }
@@ -142,8 +156,8 @@ impl FindingReport {
     pub(super) fn shape(&self) -> String {
         let at = self.at.unwrap_or_default();
         match self.kind {
-            "clip" => format!("at {at:.3} s"),
-            "capture" => format!("row {at}"),
+            Kind::Clip => format!("at {at:.3} s"),
+            Kind::Capture => format!("row {at}"),
             _ => {
                 let WeightList::Named(weights) = &self.weights else {
                     return String::new();
@@ -190,14 +204,27 @@ fn shell(text: &str) -> String {
 impl LintReport {
     /// The findings that the baseline does not have.
     pub(super) fn unaccepted(&self) -> usize {
-        self.all().filter(|(_, finding)| !finding.accepted).count()
+        self.all().filter(|finding| !finding.accepted).count()
     }
 
-    /// All findings with the names of their meshes.
-    pub(super) fn all(&self) -> impl Iterator<Item = (&str, &FindingReport)> {
-        self.meshes
-            .iter()
-            .flat_map(|mesh| mesh.findings.iter().map(|finding| (mesh.name.as_str(), finding)))
+    /// All findings.
+    pub(super) fn all(&self) -> impl Iterator<Item = &FindingReport> {
+        self.meshes.iter().flat_map(|mesh| &mesh.findings)
+    }
+
+    /// The number of shapes that were tried.
+    pub(super) fn shapes(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.shapes).sum()
+    }
+}
+
+impl MeshReport {
+    /// How many findings each kind of source has.
+    pub(super) fn by_source(&self) -> String {
+        let count =
+            |source: &SourceReport| format!("{} {}", Grouped(source.findings as u64), source.kind.of_findings());
+        let counts: Vec<String> = self.sources.iter().map(count).collect();
+        format!("findings: {}", counts.join(", "))
     }
 }
 

@@ -6,18 +6,32 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Affine3A;
-use morph_collision::{JointMatrices, MorphBvh, Pose, SelfQuery, TrianglePair};
+use morph_collision::{
+    Body, JointMatrices, MorphBvh, Pose, SelfDistanceQuery, SelfQuery, TrianglePair, WorldFromModel,
+};
 use morph_collision_testkit::rivals::PoseError;
 
 use super::findings::Finding;
 use super::poses::Tried;
 use super::regions::{Region, regions};
+use crate::depth::{ThresholdArgs, depth};
 
 /// Pairs of triangles that are not reported.
 pub(super) type Known = HashSet<TrianglePair>;
 
 /// At most this many new pairs of a shape are looked at. A shape that collapses the mesh has far more.
 pub(super) const MOST_PAIRS: usize = 20_000;
+
+/// At most this many new pairs of a shape are measured to find those that are deep enough.
+const MOST_MEASURED: usize = 10 * MOST_PAIRS;
+
+/// Which pairs of triangles count.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rules {
+    /// The first triangle of the garment. Only pairs of one of its triangles and one of the mesh's count.
+    pub(super) garment_from: Option<u32>,
+    pub(super) thresholds: ThresholdArgs,
+}
 
 /// What a shape does that the rest shape does not.
 #[derive(Debug, Default)]
@@ -34,20 +48,21 @@ pub(super) struct Found {
 pub(super) struct Searcher {
     pose: Pose,
     query: SelfQuery,
-    /// The first triangle of the garment. Pairs that are not one of its triangles and one of the mesh's are left out.
-    garment_from: Option<u32>,
+    distances: SelfDistanceQuery,
+    rules: Rules,
 }
 
 impl Searcher {
-    pub(super) fn new(tree: &Arc<MorphBvh>, garment_from: Option<u32>) -> Self {
+    pub(super) fn new(tree: &Arc<MorphBvh>, rules: Rules) -> Self {
         Self {
             pose: Pose::new(Arc::clone(tree)),
             query: SelfQuery::new(),
-            garment_from,
+            distances: SelfDistanceQuery::new(),
+            rules,
         }
     }
 
-    /// The pairs of triangles that touch in a shape and are not in any of the lists.
+    /// The pairs of triangles that count in a shape and are not in any of the lists, ascending: at most `most`, and whether there are more.
     pub(super) fn new_pairs(
         &mut self,
         shape: &Tried,
@@ -55,21 +70,43 @@ impl Searcher {
         most: usize,
     ) -> Result<(Vec<TrianglePair>, bool), PoseError> {
         self.set(shape.joints.as_deref(), &shape.weights)?;
+        let Rules {
+            garment_from,
+            thresholds: ThresholdArgs { min_depth, gap },
+        } = self.rules;
         let (mut pairs, mut is_truncated) = (Vec::new(), false);
-        let from = self.garment_from;
-        self.query.visit(&mut self.pose, |pair| {
-            let is_of_one = from.is_some_and(|from| (pair.triangle_a < from) == (pair.triangle_b < from));
+        let room = min_depth.map_or(most, |_| most.max(MOST_MEASURED));
+        let mut look = |pair: TrianglePair| {
+            let is_of_one = garment_from.is_some_and(|from| (pair.triangle_a < from) == (pair.triangle_b < from));
             if is_of_one || known.iter().any(|known| known.contains(&pair)) {
                 return ControlFlow::Continue(());
             }
-            if pairs.len() == most {
+            if pairs.len() == room {
                 is_truncated = true;
                 return ControlFlow::Break(());
             }
             pairs.push(pair);
             ControlFlow::Continue(())
-        });
+        };
+        match gap {
+            None => self.query.visit(&mut self.pose, look),
+            Some(gap) => self.distances.within(&mut self.pose, gap, |found| {
+                look(TrianglePair {
+                    triangle_a: found.triangle_a,
+                    triangle_b: found.triangle_b,
+                })
+            })?,
+        }
         pairs.sort_unstable();
+        if let Some(least) = min_depth {
+            let mut body = Body::new(&mut self.pose, &WorldFromModel::IDENTITY);
+            pairs.retain(|pair| {
+                let corners = body.triangle(pair.triangle_a).zip(body.triangle(pair.triangle_b));
+                corners.is_some_and(|(a, b)| depth(&a, &b) >= least)
+            });
+            is_truncated |= pairs.len() > most;
+            pairs.truncate(most);
+        }
         Ok((pairs, is_truncated))
     }
 

@@ -24,9 +24,8 @@ impl LintReport {
         for mesh in &self.meshes {
             mesh.write_text(text)?;
         }
-        let shapes: usize = self.meshes.iter().map(|mesh| mesh.shapes).sum();
         let all = self.all().count();
-        let tried = counted(shapes, "shape", "shapes");
+        let tried = counted(self.shapes(), "shape", "shapes");
         match (all, all - self.unaccepted()) {
             (0, _) => writeln!(text, "Nothing touches that does not touch at rest, in {tried}."),
             (_, 0) => writeln!(text, "{} in {tried}.", counted(all, "finding", "findings")),
@@ -56,6 +55,7 @@ impl MeshReport {
             writeln!(text, "  {}", proof.sentence())?;
         }
         if !self.findings.is_empty() {
+            writeln!(text, "  {}", self.by_source())?;
             writeln!(text, "     depth     pairs  found with")?;
         }
         for finding in self.findings.iter().take(MOST_ROWS) {

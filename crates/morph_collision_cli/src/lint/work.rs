@@ -1,6 +1,8 @@
 //! Tries all shapes of one mesh.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::sync::Arc;
 
 use morph_collision::MorphBvh;
@@ -15,12 +17,14 @@ use super::LintArgs;
 use super::capture::Capture;
 use super::findings::{Finding, Findings};
 use super::input::{Subject, refused, shape_words};
+use super::mixtures::Mixtures;
 use super::parts::Parts;
 use super::picture;
-use super::poses::{Source, Stage, Tried, clip_stages};
+use super::poses::{Stage, Tried, clip_stages};
 use super::proof::{ProofReport, prove};
-use super::report::{FindingReport, MeshReport};
-use super::search::{Known, Searcher, in_order};
+use super::report::{FindingReport, MeshReport, SourceReport};
+use super::search::{Known, Rules, Searcher, in_order};
+use super::source::{Kind, Source};
 use super::suggest::{Suggestion, suggest};
 use crate::error::CliError;
 use crate::model_file::count_memory;
@@ -30,7 +34,7 @@ use crate::{output, progress};
 const MOST_THREADS: usize = 64;
 /// Upper bound on the bytes that a pair of triangles takes in a list of known pairs.
 const BYTES_PER_KNOWN_PAIR: u64 = 32;
-/// At most this many findings of a mesh get a picture: the deepest.
+/// At most this many findings of a mesh get a picture: the first.
 const MOST_PICTURES: usize = 60;
 
 /// Tries all shapes of a mesh.
@@ -56,45 +60,40 @@ pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> 
     };
     let model = mesh.to_model().map_err(|reason| fail(reason.into()))?;
     let tree = Arc::new(MorphBvh::build(Arc::new(model), &args.tree.build()));
+    let rules = Rules {
+        garment_from: subject.garment_from,
+        thresholds: args.thresholds,
+    };
     let mut lint = Lint {
         args,
         file,
         index,
         subject,
         mesh,
-        searchers: (0..threads)
-            .map(|_| Searcher::new(&tree, subject.garment_from))
-            .collect(),
+        searchers: (0..threads).map(|_| Searcher::new(&tree, rules)).collect(),
         at_rest: Known::default(),
         alone: Vec::new(),
         findings: Findings::default(),
-        shapes: 0,
+        tried: BTreeMap::new(),
     };
     lint.look_at_rest()?;
-    lint.try_targets()?;
-    for stage in clip_stages(
-        file,
-        mesh,
-        &subject.broken,
-        &args.clip,
-        args.fps.unwrap_or(30.0),
-        args.is_loop,
-    )? {
-        lint.try_stage(&stage)?;
-    }
+    let moving = lint.moving();
+    let mut stages = vec![Stage::Alone(moving.clone()), Stage::Pairs(lint.pairs(&moving)?)];
+    let (fps, is_loop) = (args.fps.unwrap_or(30.0), args.is_loop);
+    stages.extend(clip_stages(file, mesh, &subject.broken, &args.clip, fps, is_loop)?);
     for path in &args.capture {
-        let capture = Capture::read(path, &mesh.target_names, file.budget())?;
-        for column in &capture.ignored {
-            let (name, column) = (Printable(&capture.name), Printable(column));
-            output::complain(format_args!(
-                "warning: {name}: ignored the column \"{column}\", which is not a target"
-            ));
-        }
-        lint.try_stage(&Stage::Capture(&capture))?;
+        stages.push(Stage::Capture(lint.capture(path)?));
     }
-    if !mesh.targets.is_empty() {
-        let (count, seed) = (args.mixtures, args.seed);
-        lint.try_stage(&Stage::Mixtures { count, seed })?;
+    for stage in &stages {
+        lint.try_stage(stage)?;
+    }
+    if !moving.is_empty() {
+        lint.try_stage(&Stage::Mixtures(Mixtures::new(
+            args.mixtures,
+            args.seed,
+            moving,
+            &stages,
+        )))?;
     }
     let proof = if args.prove { lint.prove(&tree)? } else { None };
     lint.finish(&tree, proof)
@@ -112,7 +111,8 @@ struct Lint<'a> {
     /// What each target does alone. Empty unless pairs of targets are tried.
     alone: Vec<Known>,
     findings: Findings,
-    shapes: usize,
+    /// The number of shapes that were tried.
+    tried: BTreeMap<Kind, usize>,
 }
 
 impl Lint<'_> {
@@ -141,13 +141,15 @@ impl Lint<'_> {
         Ok(())
     }
 
-    /// Tries targets alone and, if asked for, in pairs.
-    fn try_targets(&mut self) -> Result<(), CliError> {
+    /// The targets that move anything.
+    fn moving(&self) -> Vec<usize> {
         let targets = self.mesh.targets.iter().enumerate();
-        let moving: Vec<usize> = targets
-            .filter(|(_, target)| !target.is_empty())
-            .map(|(target, _)| target)
-            .collect();
+        let moving = targets.filter(|(_, target)| !target.is_empty());
+        moving.map(|(target, _)| target).collect()
+    }
+
+    /// All pairs of targets, if they are asked for.
+    fn pairs(&mut self, moving: &[usize]) -> Result<Vec<[usize; 2]>, CliError> {
         let mut pairs = Vec::new();
         if self.args.pairs {
             let count = moving.len() as u64 * (moving.len() as u64).saturating_sub(1) / 2;
@@ -159,8 +161,18 @@ impl Lint<'_> {
             }
             self.alone = vec![Known::default(); self.mesh.targets.len()];
         }
-        self.try_stage(&Stage::Alone(moving))?;
-        self.try_stage(&Stage::Pairs(pairs))
+        Ok(pairs)
+    }
+
+    fn capture(&self, path: &Path) -> Result<Capture, CliError> {
+        let capture = Capture::read(path, &self.mesh.target_names, self.file.budget())?;
+        for column in &capture.ignored {
+            let (name, column) = (Printable(&capture.name), Printable(column));
+            output::complain(format_args!(
+                "warning: {name}: ignored the column \"{column}\", which is not a target"
+            ));
+        }
+        Ok(capture)
     }
 
     fn try_stage(&mut self, stage: &Stage<'_>) -> Result<(), CliError> {
@@ -199,7 +211,9 @@ impl Lint<'_> {
             alone[target].extend(pairs);
         }
         (self.searchers, self.alone) = (searchers, alone);
-        self.shapes += stage.len();
+        if stage.len() > 0 {
+            *self.tried.entry(stage.kind()).or_default() += stage.len();
+        }
         Ok(())
     }
 
@@ -242,6 +256,7 @@ impl Lint<'_> {
                 weights: witness.weights.clone(),
                 joints: None,
             };
+            *self.tried.entry(Kind::Proof).or_default() += 1;
             let found = self.searchers[0].find(&shape, &[&self.at_rest]);
             let found = found.map_err(|reason| self.refused(shape_words(&shape, self.mesh), reason))?;
             let added = self.findings.add(&shape, found, self.file.budget());
@@ -286,6 +301,12 @@ impl Lint<'_> {
             .iter()
             .map(|finding| FindingReport::new(finding, self.subject, &parts))
             .collect();
+        let sources = self.tried.iter().map(|(&kind, &shapes)| SourceReport {
+            kind,
+            shapes,
+            findings: findings.iter().filter(|finding| finding.source.kind() == kind).count(),
+        });
+        let sources = sources.collect();
         if self.args.html.is_some() {
             for (report, finding) in reports.iter_mut().zip(&findings).take(MOST_PICTURES) {
                 report.picture = Some(self.picture(finding)?);
@@ -297,7 +318,9 @@ impl Lint<'_> {
             triangles: mesh.triangles.len(),
             targets: mesh.targets.len(),
             pairs_at_rest: self.at_rest.len(),
-            shapes: self.shapes,
+            left_out: self.subject.left_out,
+            shapes: self.tried.values().sum(),
+            sources,
             proof,
             findings: reports,
             suggestions,

@@ -13,6 +13,7 @@ use clap::Args;
 use morph_collision_testkit::scenes::Scene;
 
 use crate::cast::Cast;
+use crate::depth::ThresholdArgs;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::FrameTimes;
@@ -39,7 +40,8 @@ const EXAMPLES: &str = "Examples:
 /// triangles that touch.
 ///
 /// Of a model, all meshes that are drawn are used, where its nodes put them. `new` counts the pairs of triangles that do not touch at rest. `depth` is how
-/// far two triangles, or two meshes, would have to move apart, in the file's unit. Targets are sorted by how far they move the touching
+/// far two triangles, or two meshes, would have to move apart, in the file's unit. With --min-depth, rows that are less deep are left out, and
+/// --fail-on-touch ignores them. Targets are sorted by how far they move the touching
 /// vertices in that frame, and joints by their influence on them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -69,6 +71,8 @@ pub(crate) struct SweepArgs {
     /// Leave out pairs of triangles that also touch at rest. In a scene, only pairs within one body have a rest.
     #[arg(long)]
     ignore_rest: bool,
+    #[command(flatten)]
+    thresholds: ThresholdArgs,
     /// Write all rows to a CSV file; - writes it to standard output, and the summary to standard error.
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
@@ -102,7 +106,14 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<Verdict, CliError> {
     let csv = csv
         .map(|path| OutputFile::create("--csv", path, &cast.inputs))
         .transpose()?;
-    let rows = rows::rows(&mut cast, &labels, args.among, !from_scene, args.ignore_rest)?;
+    let rows = rows::rows(
+        &mut cast,
+        &labels,
+        args.among,
+        !from_scene,
+        args.ignore_rest,
+        args.thresholds,
+    )?;
     let report = SweepReport::new(cast.names, cast.frames.len(), args.ignore_rest, rows);
     if let Some(csv) = csv {
         csv.write(|out| report.write_csv(out))?;

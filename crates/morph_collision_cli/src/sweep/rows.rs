@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
-use morph_collision::ContactQuery;
+use morph_collision::{ContactQuery, DistanceQuery};
 use morph_collision_testkit::numbers::number;
 use serde::Serialize;
 
 use super::Swept;
 use crate::blame::{self, Blame};
-use crate::depth::parting_distance;
+use crate::depth::{self, ThresholdArgs};
 use crate::error::CliError;
 use crate::posed::Posed;
 use crate::progress;
@@ -32,10 +32,11 @@ pub(super) struct Row {
     pub(super) body_a: usize,
     /// The same as `body_a` if it intersects itself.
     pub(super) body_b: usize,
-    /// Pairs of triangles that touch.
+    /// Pairs of triangles that touch or, with a gap, are close.
     pub(super) pairs: usize,
-    /// Those of them that do not touch at rest.
+    /// Those of them that are not so at rest.
     pub(super) new: usize,
+    /// Minus the distance if nothing touches.
     #[serde(serialize_with = "number")]
     pub(super) depth: f64,
     /// Names of the targets that move the touching vertices most.
@@ -52,8 +53,9 @@ pub(super) fn rows(
     among: Among,
     same_places: bool,
     ignore_rest: bool,
+    thresholds: ThresholdArgs,
 ) -> Result<Vec<Row>, CliError> {
-    let mut search = Search::default();
+    let mut search = Search::within(thresholds.gap);
     let at_rest = at_rest(cast, &mut search, among, same_places)?;
     let blames: Vec<Blame<'_>> = cast
         .mesh_of_body
@@ -61,7 +63,7 @@ pub(super) fn rows(
         .map(|&mesh| Blame::new(&cast.meshes[mesh]))
         .collect();
     let steps = progress::count("frame", cast.frames.len() as u64);
-    let (mut rows, mut touches, mut contacts) = (Vec::new(), Vec::new(), ContactQuery::new());
+    let (mut rows, mut touches, mut measure) = (Vec::new(), Vec::new(), Measure::default());
     for frame in 0..cast.frames.len() {
         let mut weights = Vec::with_capacity(cast.bodies);
         for body in 0..cast.bodies {
@@ -84,6 +86,10 @@ pub(super) fn rows(
         }
         for group in touches.chunk_by(|one, other| one.bodies == other.bodies) {
             let [a, b] = group[0].bodies;
+            let depth = measure.depth(&mut cast.method, group);
+            if thresholds.min_depth.is_some_and(|least| depth < least) {
+                continue;
+            }
             let (targets, joints) = blame::names(&blames, &weights, group);
             let label = labels.get(frame).cloned().unwrap_or_default();
             rows.push(Row {
@@ -94,7 +100,7 @@ pub(super) fn rows(
                 body_b: b,
                 pairs: group.len(),
                 new: group.iter().filter(|touch| !at_rest.contains(touch)).count(),
-                depth: depth(&mut cast.method, group, &mut contacts),
+                depth,
                 targets,
                 joints,
             });
@@ -139,18 +145,30 @@ fn too_many(cast: &Swept, frame: usize) -> CliError {
     }
 }
 
-/// How far the bodies, or the triangles of one body, would have to move apart.
-fn depth(bodies: &mut [Posed], group: &[Touch], contacts: &mut ContactQuery) -> f64 {
-    let [a, b] = group[0].bodies;
-    if let Ok([first, second]) = bodies.get_disjoint_mut([a, b]) {
-        let manifold = contacts.manifold(first.body(), second.body());
-        return manifold.map_or(0.0, |manifold| manifold.depth);
+/// Measures depths. It keeps the memory of the queries.
+#[derive(Default)]
+struct Measure {
+    contacts: ContactQuery,
+    distances: DistanceQuery,
+}
+
+impl Measure {
+    /// How far the bodies, or the triangles of one body, would have to move apart. If they do not touch, minus their distance.
+    fn depth(&mut self, bodies: &mut [Posed], group: &[Touch]) -> f64 {
+        let [a, b] = group[0].bodies;
+        if let Ok([first, second]) = bodies.get_disjoint_mut([a, b]) {
+            if let Some(manifold) = self.contacts.manifold(first.body(), second.body()) {
+                return manifold.depth;
+            }
+            let closest = self.distances.closest(first.body(), second.body(), f64::INFINITY);
+            return closest.ok().flatten().map_or(0.0, |pair| -pair.distance);
+        }
+        let mut body = bodies[a].body();
+        let of_pair = |touch: &Touch| {
+            let first = body.triangle(touch.pair.triangle_a)?;
+            let second = body.triangle(touch.pair.triangle_b)?;
+            Some(depth::depth(&first, &second))
+        };
+        group.iter().filter_map(of_pair).reduce(f64::max).unwrap_or(0.0)
     }
-    let mut body = bodies[a].body();
-    let mut of_pair = |touch: &Touch| {
-        let first = body.triangle(touch.pair.triangle_a)?;
-        let second = body.triangle(touch.pair.triangle_b)?;
-        Some(parting_distance(&first, &second))
-    };
-    group.iter().filter_map(&mut of_pair).fold(0.0, f64::max)
 }

@@ -13,7 +13,7 @@ use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare, veri
 
 use crate::clips::read_clips;
 use crate::error::CliError;
-use crate::model_file::{FileArgs, MeshChoice, count_memory};
+use crate::model_file::{FileArgs, MeshChoice, count_memory, leave_out_unweighted};
 use crate::{Verdict, output, progress};
 use batch::BatchReport;
 use report::{VerifyReport, WhichMesh};
@@ -29,6 +29,8 @@ const EXAMPLES: &str = "Examples:
 /// stretched, mirrored and sheared, from far apart to deep inside each other; some nearly touch, down to neighbouring floating-point
 /// numbers. In every frame, all intersecting pairs of triangles are compared, and all boxes are checked against the vertices below them.
 /// Then the bodies move from one such situation to another, and samples of what touches on the way are compared.
+///
+/// Triangles of a skinned mesh with a vertex without joint weights are left out with a warning: all of them would touch each other.
 ///
 /// Columns of the table, one row for each leaf size of the trees: `missed` pairs that brute force finds and the trees do not, `spurious`
 /// pairs that only the trees find, pairs that the fast test left `undecided` (they are decided by exact arithmetic, so they are not
@@ -123,22 +125,24 @@ fn batch(args: &VerifyArgs) -> Result<Verdict, CliError> {
 
 /// Compares a mesh with itself, or with another.
 fn compared(args: &VerifyArgs, model: &Path, mesh: &MeshChoice) -> Result<VerifyReport, CliError> {
-    let (index, mesh) = args.read(model, mesh, "--mesh")?;
+    let (index, mesh, kept) = args.read(model, mesh, "--mesh")?;
     let second = args.against.as_ref();
     let second = second.map(|model| args.read(model, &args.against_mesh, "--against-mesh"));
     let second = second.transpose()?;
-    let meshes = [&mesh, second.as_ref().map_or(&mesh, |(_, mesh)| mesh)];
+    let meshes = [&mesh, second.as_ref().map_or(&mesh, |(_, mesh, _)| mesh)];
     let first = WhichMesh {
         model: model.to_owned(),
         mesh: index,
+        kept,
     };
     let second = args
         .against
         .as_ref()
         .zip(second.as_ref())
-        .map(|(model, (index, _))| WhichMesh {
+        .map(|(model, (index, _, kept))| WhichMesh {
             model: model.clone(),
             mesh: *index,
+            kept: kept.clone(),
         });
     let which = [first.clone(), second.unwrap_or(first)];
 
@@ -173,13 +177,20 @@ impl VerifyArgs {
         self.leaf.map_or(LEAF_SIZES.to_vec(), |leaf| vec![usize::from(leaf)])
     }
 
-    /// Reads a mesh with its clips and counts the memory of its trees.
-    fn read(&self, model: &Path, mesh: &MeshChoice, flag: &'static str) -> Result<(usize, MorphMesh), CliError> {
+    /// Reads a mesh with its clips and counts the memory of its trees. Returns its index, and the numbers of its triangles if some are left
+    /// out.
+    fn read(
+        &self,
+        model: &Path,
+        mesh: &MeshChoice,
+        flag: &'static str,
+    ) -> Result<(usize, MorphMesh, Option<Vec<u32>>), CliError> {
         let (file, index, mut mesh) = self.files.open_mesh(model, mesh, flag)?;
+        let unweighted = leave_out_unweighted(&file, index, &mut mesh)?;
         let trees = self.leaf_sizes().len() as u64 * mesh.tree_bytes();
         count_memory(&file, index, trees, || "its trees".into())?;
         read_clips(&self.files, &file, index, None, &mut mesh, None);
-        Ok((index, mesh))
+        Ok((index, mesh, unweighted.map(|unweighted| unweighted.kept)))
     }
 }
 

@@ -30,6 +30,18 @@ pub(super) struct VerifyReport {
 pub(super) struct WhichMesh {
     pub(super) model: PathBuf,
     pub(super) mesh: usize,
+    /// The numbers of its triangles, if some are left out.
+    #[serde(skip)]
+    pub(super) kept: Option<Vec<u32>>,
+}
+
+impl WhichMesh {
+    /// The number of a triangle in the file's mesh.
+    fn triangle(&self, compared: u32) -> u32 {
+        let kept = self.kept.as_ref();
+        kept.and_then(|kept| kept.get(compared as usize).copied())
+            .unwrap_or(compared)
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -115,13 +127,15 @@ impl VerifyReport {
             counts: CountsReport::new(counts),
         };
         let reproduction = verification.smallest.as_ref();
+        let reproduction =
+            reproduction.map(|finding| ReproductionReport::new(&bodies, leaf_sizes[finding.source], finding));
         Self {
             bodies,
             seed,
             total: CountsReport::new(&total),
             trees: leaf_sizes.iter().zip(&verification.counts).map(tree).collect(),
             motion: motion.into(),
-            reproduction: reproduction.map(|finding| ReproductionReport::new(leaf_sizes[finding.source], finding)),
+            reproduction,
         }
     }
 
@@ -237,11 +251,12 @@ impl CountsReport {
 }
 
 impl ReproductionReport {
-    fn new(leaf_size: usize, finding: &Finding) -> Self {
+    fn new([first, second]: &[WhichMesh; 2], leaf_size: usize, finding: &Finding) -> Self {
+        let numbers = |a, b| Some([first.triangle(a), second.triangle(b)]);
         let reproduction = &finding.reproduction;
         let (trouble, triangles, body_and_vertex) = match reproduction.trouble {
-            Trouble::Missed(a, b) => ("missed", Some([a, b]), None),
-            Trouble::Spurious(a, b) => ("spurious", Some([a, b]), None),
+            Trouble::Missed(a, b) => ("missed", numbers(a, b), None),
+            Trouble::Spurious(a, b) => ("spurious", numbers(a, b), None),
             Trouble::Outside { body, vertex } => ("outside", None, Some((body, vertex))),
         };
         Self {
@@ -319,6 +334,7 @@ mod tests {
         let which = WhichMesh {
             model: "a.glb".into(),
             mesh: 3,
+            kept: Some(vec![0, 1, 2, 3, 5, 6, 8]),
         };
         let leaf_sizes = [8, 2];
         VerifyReport::new(
@@ -343,7 +359,7 @@ mod tests {
             "missed with leaves of 2",
             "a.glb mesh 3",
             "[-1.5e-7]",
-            "triangle 6",
+            "triangle 8",
             "0.1, 0.1",
             "joint 0 [0.3, 0.0",
         ] {

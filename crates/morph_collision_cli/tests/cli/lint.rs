@@ -13,12 +13,12 @@ use tempfile::{TempDir, tempdir};
 
 use crate::support::{RawMesh, TestResult, asset, command, error_of, stdout_of, write_gltf};
 
-fn lint(input: &Path, args: &[&str]) -> Result<Output, Box<dyn Error>> {
+pub(crate) fn lint(input: &Path, args: &[&str]) -> Result<Output, Box<dyn Error>> {
     Ok(command().arg("lint").arg(input).args(args).output()?)
 }
 
 /// The JSON of a run that may end with exit code 1.
-fn report(input: &Path, args: &[&str]) -> Result<Value, Box<dyn Error>> {
+pub(crate) fn report(input: &Path, args: &[&str]) -> Result<Value, Box<dyn Error>> {
     let output = lint(input, &[args, &["--json"]].concat())?;
     let has_findings = output.status.code() == Some(1);
     assert!(
@@ -41,7 +41,7 @@ fn report(input: &Path, args: &[&str]) -> Result<Value, Box<dyn Error>> {
     Ok(report)
 }
 
-fn findings(report: &Value) -> Vec<&Value> {
+pub(crate) fn findings(report: &Value) -> Vec<&Value> {
     let meshes = report["meshes"].as_array().into_iter().flatten();
     meshes
         .filter_map(|mesh| mesh["findings"].as_array())
@@ -51,7 +51,7 @@ fn findings(report: &Value) -> Vec<&Value> {
 
 /// A floor, a wall that stands on it at rest, and another wall that hovers at a height of 1. "down" lowers the second wall by `down`; "near" and
 /// "nearer" lower it by 0.6 each, so that it touches only with both.
-fn model(down: f32) -> Result<(TempDir, PathBuf), Box<dyn Error>> {
+pub(crate) fn model(down: f32) -> Result<(TempDir, PathBuf), Box<dyn Error>> {
     let floor = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner * 8.0);
     let hovering = [
         Vec3::new(1.0, 1.0, 1.0),
@@ -81,7 +81,7 @@ fn model(down: f32) -> Result<(TempDir, PathBuf), Box<dyn Error>> {
     Ok((dir, path))
 }
 
-const QUICK: &[&str] = &["--mixtures", "0", "--clip", "rest"];
+pub(crate) const QUICK: &[&str] = &["--mixtures", "0", "--clip", "rest"];
 
 #[test]
 fn a_target_that_clips_alone_is_found_with_the_weight_that_does() -> TestResult {
@@ -103,7 +103,10 @@ fn a_target_that_clips_alone_is_found_with_the_weight_that_does() -> TestResult 
     );
     assert_eq!((&finding["pairs"], &finding["shapes"]), (&1.into(), &3.into()));
     assert_eq!(finding["weights"], json!({ "down": 1.0 }), "the deepest");
-    assert_eq!(finding["triangles"], json!([0, 2]));
+    assert_eq!(
+        finding["meshes"],
+        json!([{ "mesh": 0, "name": "walls", "triangles": [0, 2] }])
+    );
     assert_eq!(finding["near"], json!(["down", "near", "nearer"]));
     let options = finding["reproduce"].as_str().ok_or("no options")?.split(' ');
     let query = command()
@@ -237,7 +240,7 @@ fn a_proof_finds_what_no_shape_shows_and_clears_the_rest() -> TestResult {
     let found = findings(&proved);
     assert_eq!(found.len(), 1, "{proved}");
     assert_eq!(
-        (&found[0]["kind"], &found[0]["triangles"]),
+        (&found[0]["kind"], &found[0]["meshes"][0]["triangles"]),
         (&"proof".into(), &json!([0, 2]))
     );
     let proof = &proved["meshes"][0]["proof"];

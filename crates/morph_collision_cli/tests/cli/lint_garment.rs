@@ -81,7 +81,11 @@ fn only_contacts_between_garment_and_mesh_are_reported() -> TestResult {
     found.sort_unstable();
     assert_eq!(found, [Some("target both"), Some("target down")]);
     for finding in findings {
-        assert_eq!(finding["triangles"], serde_json::json!([0, 3]));
+        let of_both = serde_json::json!([
+            { "mesh": 0, "name": "body", "triangles": [0] },
+            { "mesh": 0, "name": "shirt", "triangles": [1] },
+        ]);
+        assert_eq!(finding["meshes"], of_both, "numbers are those of the meshes");
         let parts = finding["parts"].to_string();
         assert!(parts.contains("shirt"), "{parts}");
     }

@@ -1,7 +1,8 @@
 //! How deep triangles are in each other, and how deep they must be to be reported.
 
 use clap::Args;
-use morph_collision::{Triangle, triangle_contact, triangle_distance};
+use glam::DVec3;
+use morph_collision::{Triangle, triangle_distance, triangles_intersect};
 
 /// What counts besides touching, or does not count although it touches.
 #[derive(Clone, Copy, Debug, Default, Args)]
@@ -23,20 +24,59 @@ fn length(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a finite number of at least 0".to_owned())
 }
 
-/// How far the first triangle can move along the contact's normal before it leaves the second. If they do not touch, minus their distance.
+/// How far one of two triangles has to move, in the best direction, to leave the other. If they do not touch, minus their distance.
+///
+/// Up to rounding, it is 0 for triangles in the same plane, and at most their size for others.
 pub(crate) fn depth(a: &Triangle, b: &Triangle) -> f64 {
-    let Some(contact) = triangle_contact(a, b) else {
+    if !triangles_intersect(a, b) {
         return -triangle_distance(a, b);
+    }
+    let edges = |[p, q, r]: &Triangle| [*q - *p, *r - *q, *p - *r];
+    let (edges_a, edges_b) = (edges(a), edges(b));
+    let normals = [edges_a, edges_b].map(|[first, second, _]| first.cross(second));
+    // The faces of the difference of two convex bodies are upright to these (the separating axis theorem).
+    let crossed = edges_a.iter().flat_map(|of_a| edges_b.map(|of_b| of_a.cross(of_b)));
+    let axes = normals.into_iter().chain(crossed).filter_map(DVec3::try_normalize);
+    let along = |axis: DVec3| {
+        let [of_a, of_b] = [a, b].map(|triangle| triangle.map(|corner| corner.dot(axis)));
+        let [low_a, low_b] = [of_a, of_b].map(|[p, q, r]| p.min(q).min(r));
+        let [high_a, high_b] = [of_a, of_b].map(|[p, q, r]| p.max(q).max(r));
+        (high_a - low_b).min(high_b - low_a)
     };
-    let along = |triangle: &Triangle| triangle.map(|corner| corner.dot(contact.normal));
-    let end = along(b).into_iter().fold(f64::NEG_INFINITY, f64::max);
-    let start = along(a).into_iter().fold(f64::INFINITY, f64::min);
-    (end - start).max(0.0)
+    axes.map(along).reduce(f64::min).unwrap_or(0.0).max(0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const FLOOR: Triangle = [DVec3::ZERO, DVec3::new(8.0, 0.0, 0.0), DVec3::new(0.0, 8.0, 0.0)];
+
+    fn wall(height: f64) -> Triangle {
+        [[1.0, 1.0, 0.0], [2.0, 1.0, 0.0], [1.0, 1.0, 4.0]].map(|[x, y, z]| DVec3::new(x, y, z + height))
+    }
+
+    #[test]
+    fn a_wall_in_a_floor_is_as_deep_as_it_stands_below_or_beside_it() {
+        for (height, expected) in [(0.0, 0.0), (-0.25, 0.25), (-3.75, 0.25), (0.5, -0.5)] {
+            for depth in [depth(&wall(height), &FLOOR), depth(&FLOOR, &wall(height))] {
+                assert!((depth - expected).abs() < 1e-12, "{depth} at {height}");
+            }
+        }
+        // Out over the edge is the shortest way.
+        assert!((depth(&wall(-2.0), &FLOOR) - 1.0).abs() < 1e-12);
+        assert_eq!(depth(&[DVec3::ONE; 3], &[DVec3::ONE; 3]), 0.0);
+    }
+
+    #[test]
+    fn faces_that_lie_on_each_other_have_hardly_any_depth_whichever_way_they_face() {
+        let tilted = FLOOR.map(|corner| corner + DVec3::Z * (1e-7 * corner.x - 2e-7));
+        let [a, b, c] = tilted;
+        for face in [tilted, [a, c, b], FLOOR] {
+            let found = depth(&FLOOR, &face);
+            assert!((0.0..1e-6).contains(&found), "{found}");
+        }
+    }
 
     #[test]
     fn lengths_are_finite_and_not_negative() {

@@ -18,9 +18,9 @@ fn single_targets_come_first_and_mixtures_last_whatever_their_depth() -> TestRes
     let report = report(&path, &args)?;
     let found = findings(&report);
     let kinds: Vec<&str> = found.iter().filter_map(|finding| finding["kind"].as_str()).collect();
-    assert_eq!(kinds, ["target", "clip", "capture", "pair", "pair", "pair", "mixture"]);
+    assert_eq!(kinds, ["target", "clip", "capture", "pair", "mixture"]);
     let depth = |finding: &Value| finding["depth"].as_f64();
-    assert!(depth(found[0]) < depth(found[6]), "a mixture is deeper: {report}");
+    assert!(depth(found[0]) < depth(found[4]), "a mixture is deeper: {report}");
     for of_kind in found.chunk_by(|one, other| one["kind"] == other["kind"]) {
         assert!(
             of_kind.windows(2).all(|pair| depth(pair[0]) >= depth(pair[1])),
@@ -29,9 +29,9 @@ fn single_targets_come_first_and_mixtures_last_whatever_their_depth() -> TestRes
     }
     let sources = &report["meshes"][0]["sources"];
     assert_eq!(sources[0], json!({ "kind": "target", "shapes": 16, "findings": 1 }));
-    assert_eq!(sources[3], json!({ "kind": "pair", "shapes": 24, "findings": 3 }));
+    assert_eq!(sources[3], json!({ "kind": "pair", "shapes": 24, "findings": 1 }));
     let text = String::from_utf8(lint(&path, &args)?.stdout)?;
-    let counts = "  findings: 1 of single targets, 1 of clips, 1 of captures, 3 of pairs, ";
+    let counts = "  findings: 1 of single targets, 1 of clips, 1 of captures, 1 of pairs, ";
     assert!(text.contains(counts) && text.contains(" 1 of mixtures\n"), "{text}");
     Ok(())
 }

@@ -46,11 +46,11 @@ fn lint_finds_what_comes_closer_than_a_gap() -> TestResult {
     assert_eq!((found.len(), &found[0]["found_with"]), (1, &"target down".into()));
     let depth = found[0]["depth"].as_f64().ok_or("no depth")?;
     assert!((depth + 0.1).abs() < 1e-6, "minus the distance: {depth}");
-    // The wall that stands on the floor is not new, and neither is one that hovers at 0.5 if that is close.
+    // Nothing is new if all is close at rest.
     let wide = report(&path, &[QUICK, &["--gap", "1.5"]].concat())?;
     assert_eq!(
         (findings(&wide).len(), &wide["meshes"][0]["pairs_at_rest"]),
-        (0, &2.into())
+        (0, &3.into())
     );
     let known = path.with_extension("json").display().to_string();
     report(&path, &[QUICK, &["--gap", "0.11", "--write-baseline", &known]].concat())?;
@@ -71,11 +71,11 @@ fn rows(path: &Path, args: &[&str]) -> Result<Vec<Value>, Box<dyn std::error::Er
 
 #[test]
 fn sweep_has_both_for_one_body() -> TestResult {
-    let floor = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let floor = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner * 8.0);
     let wall = [
-        Vec3::new(0.2, 0.2, 0.5),
-        Vec3::new(0.4, 0.2, 0.5),
-        Vec3::new(0.2, 0.3, 2.0),
+        Vec3::new(1.0, 1.0, 0.5),
+        Vec3::new(1.2, 1.0, 0.5),
+        Vec3::new(1.0, 1.1, 2.0),
     ];
     let mut mesh = MorphMesh::rigid("press", [floor, wall].concat(), vec![[0, 1, 2], [3, 4, 5]]);
     mesh.target_names = vec!["down".into()];

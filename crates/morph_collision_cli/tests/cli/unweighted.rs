@@ -66,7 +66,7 @@ fn lint_says_so_at_once_and_searches_the_rest() -> TestResult {
         (&mesh["left_out"], &mesh["triangles"]),
         (&1394.into(), &(triangles - 1394).into())
     );
-    assert!(mesh["pairs_at_rest"].as_u64() < Some(100), "{}", mesh["pairs_at_rest"]);
+    assert!(mesh["pairs_at_rest"].as_u64() < Some(1000), "{}", mesh["pairs_at_rest"]);
     let findings = mesh["findings"].as_array().ok_or("no findings")?;
     assert_eq!(findings.len(), 1);
     let numbers = serde_json::json!([triangles - 2, triangles - 1]);

@@ -23,6 +23,7 @@ fn full() -> Value {
             model: "a.glb".into(),
             mesh: 1,
             node: Some(2),
+            instance: Some(1),
             name: text(),
             comment: text(),
         }],

@@ -123,7 +123,7 @@ fn a_target_that_clips_alone_is_found_with_the_weight_that_does() -> TestResult 
     );
     let text = String::from_utf8(lint(&path, &[QUICK, &["--suggest"]].concat())?.stdout)?;
     assert!(
-        text.contains("  down: at most 0.498047") && text.contains(" (it clips at 1)\n"),
+        text.contains("  down: at most 0.498046") && text.contains(" (it clips at 1)\n"),
         "{text}"
     );
     assert!(text.ends_with("1 finding in 47 shapes.\n"), "{text}");

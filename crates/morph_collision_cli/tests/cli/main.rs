@@ -4,8 +4,8 @@
 mod bad_input;
 mod bench;
 mod bombs;
-mod drawn;
 mod clips;
+mod drawn;
 mod export;
 mod guides;
 mod inspect;

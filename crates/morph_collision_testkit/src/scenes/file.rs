@@ -373,6 +373,7 @@ mod tests {
                     model: "a.glb".into(),
                     mesh: 2,
                     node: Some(7),
+                    instance: Some(1),
                     name: Some("left \"hand\"".into()),
                     comment: Some("on the table".into()),
                 },

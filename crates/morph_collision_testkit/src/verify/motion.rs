@@ -349,7 +349,7 @@ mod tests {
     fn counts(change: fn(&mut Vec<MotionContact>)) -> MotionCounts {
         let mesh = dolphin(0);
         let trees = Trees::build([&mesh, &mesh], &BuildOptions::default()).expect("a valid mesh");
-        verify_motion([&mesh, &mesh], &mut [Wrong { trees, change }], 6, 3, || {}).expect("valid situations")
+        verify_motion([&mesh, &mesh], &mut [Wrong { trees, change }], 12, 3, || {}).expect("valid situations")
     }
 
     #[test]

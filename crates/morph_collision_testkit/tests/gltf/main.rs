@@ -5,6 +5,7 @@ mod broken;
 mod compressed;
 mod exporters;
 mod expressions;
+mod matrix;
 mod reading;
 mod reference;
 mod scenes;

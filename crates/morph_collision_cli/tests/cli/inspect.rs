@@ -155,7 +155,7 @@ fn what_is_broken_and_not_needed_is_shown_beside_the_rest() -> TestResult {
         "{report}"
     );
     assert!(
-        text(&report["warnings"][0]).contains("channel 1 refers to a node"),
+        text(&report["warnings"][0]).contains("channel 1: node 7 does not exist"),
         "{report}"
     );
     Ok(())

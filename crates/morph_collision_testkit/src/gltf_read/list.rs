@@ -10,6 +10,7 @@ use serde_json::value::RawValue;
 
 use super::integers;
 use crate::memory::{MemoryBudget, OverBudget};
+use crate::printable::Printable;
 
 /// Upper bound on the bytes that an element of a list takes, parsed or not, while the list grows.
 const BYTES_PER_ELEMENT: u64 = 128;
@@ -175,10 +176,10 @@ pub(super) fn parse_again<T: DeserializeOwned>(text: &str, budget: &MemoryBudget
             // Abridged because the parser quotes whole strings.
             let (path, message) = (abridged(&error.path().to_string()), error.inner().to_string());
             let message = abridged(&message);
-            AgainError::Json(if path == "." {
-                message
-            } else {
-                format!("{path}: {message}")
+            AgainError::Json(match &*path {
+                "." => message,
+                // It contains names from the file.
+                _ => format!("{}: {message}", Printable(&path)),
             })
         })
     })

@@ -262,6 +262,13 @@ fn every_malformed_element_names_its_field() {
     ] {
         assert!(error.contains(says), "{error}");
     }
+    // Names from the file reach the terminal escaped.
+    let (_directory, path) = write(b"{\"asset\": {}, \"\\u001b[2J\": {\"a\": x}}", "model.gltf");
+    let error = read_meshes(&path).expect_err("it is no JSON").to_string();
+    assert!(
+        error.contains("expected value at line 1") && !error.contains('\u{1b}'),
+        "{error}"
+    );
 }
 
 /// Before: "invalid type: floating point `5126.0`, expected u32".

@@ -122,6 +122,7 @@ fn a_stream_that_cannot_be_decoded_is_replaced_by_plain_data() -> Result<(), Rea
 #[test]
 fn any_number_of_sets_of_influences_is_read() -> Result<(), ReadError> {
     let mesh = read("c01_twelve_influences")?;
+    assert!(mesh.to_model().is_ok());
     let sets = mesh.skin.expect("it is skinned").sets;
     assert_eq!(sets.len(), 3);
     for vertex in 0..mesh.positions.len() {

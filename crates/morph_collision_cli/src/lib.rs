@@ -23,6 +23,7 @@
 mod bench;
 mod blame;
 mod cast;
+mod clip_files;
 mod clips;
 mod depth;
 mod drawn_args;

@@ -12,6 +12,7 @@ use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
+use crate::clip_files::ClipFiles;
 use crate::clips::{ClipChoice, read_clips};
 use crate::error::CliError;
 use crate::frame_times::time_in_clip;
@@ -31,6 +32,10 @@ pub(crate) struct ShapeArgs {
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(crate) weights: Option<WeightArg>,
     /// Name of an animation in the file, or its index. It moves the joints and sets the weights.
+    ///
+    /// FILE#NAME is an animation of another file, such as a library without meshes: a .glb or .gltf file and the name or index of one of its
+    /// animations, or FILE alone if it has only one. What it animates is found by the names of nodes, and weights by the names of targets; names
+    /// that the model does not have are listed. Its values are used as they are, so both files should have the same rest pose.
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
     /// The time in the animation, in seconds. Its first pose holds before the beginning, and its last pose after the end.
@@ -131,7 +136,12 @@ impl ShapeArgs {
         let mut clips = ClipChoice::default();
         if let Some(name) = &self.clip {
             let broken = read_clips(files, &file, index, None, &mut mesh, None);
-            clips = ClipChoice::find(name, &file, &mesh, None, &broken).map_err(|error| CliError::Flag {
+            let mut clip_files = ClipFiles::new(files, file.budget(), Path::new(""));
+            let lent = clip_files.lend(name, &file, (index, None), &mut mesh, None);
+            lent.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+            clip_files.warn();
+            let found = clip_files.find(name, &file, &mesh, None, &broken);
+            clips = found.map_err(|error| CliError::Flag {
                 flag: "--clip",
                 reason: error.reason(),
             })?;

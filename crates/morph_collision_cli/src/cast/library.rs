@@ -13,6 +13,7 @@ use morph_collision_testkit::scenes::SceneBody;
 use morph_collision_testkit::skeleton::Skeleton;
 
 use super::SetUp;
+use crate::clip_files::ClipFiles;
 use crate::clips::{BrokenClips, ClipChoice, NoClip, read_clips};
 use crate::error::CliError;
 use crate::model_file::{FileArgs, count_memory, read_mesh};
@@ -24,6 +25,7 @@ pub(super) struct Library<'a> {
     options: &'a FileArgs,
     /// Shared by all files.
     budget: MemoryBudget,
+    pub(super) clip_files: ClipFiles<'a>,
     /// Keyed by real path, so that a file with two names is read once.
     pub(super) files: HashMap<PathBuf, GltfFile>,
     pub(super) meshes: Vec<MorphMesh>,
@@ -38,10 +40,12 @@ pub(super) struct Library<'a> {
 }
 
 impl<'a> Library<'a> {
-    pub(super) fn new(options: &'a FileArgs) -> Self {
+    pub(super) fn new(options: &'a FileArgs, scene: &Path) -> Self {
+        let budget = MemoryBudget::new(options.memory_limit());
         Self {
             options,
-            budget: MemoryBudget::new(options.memory_limit()),
+            clip_files: ClipFiles::new(options, &budget, scene.parent().unwrap_or(Path::new(""))),
+            budget,
             files: HashMap::new(),
             meshes: Vec::new(),
             placements: Vec::new(),
@@ -147,13 +151,23 @@ impl<'a> Library<'a> {
         }
     }
 
+    /// Adds a clip of another file to a mesh; nothing if `name` names no file.
+    pub(super) fn lend(&mut self, mesh: usize, name: &str) -> Result<(), String> {
+        let (path, index, node) = &self.origins[mesh];
+        let file = self.files.get(path).ok_or("its file was not read")?;
+        let placement = self.placements[mesh].as_mut();
+        self.clip_files
+            .lend(name, file, (*index, *node), &mut self.meshes[mesh], placement)
+    }
+
     /// The clips of a mesh with this name; its clips have been read.
     pub(super) fn clip(&self, mesh: usize, name: &str) -> Result<ClipChoice, String> {
         let file = self.files.get(&self.origins[mesh].0);
         let file = file.ok_or("its file was not read")?;
         let broken = self.broken[mesh].as_ref().ok_or("its clips were not read")?;
         let placement = self.placements[mesh].as_ref();
-        ClipChoice::find(name, file, &self.meshes[mesh], placement, broken).map_err(NoClip::reason)
+        let found = self.clip_files.find(name, file, &self.meshes[mesh], placement, broken);
+        found.map_err(NoClip::reason)
     }
 
     /// Counts the memory of the trees of all meshes and of each body's own data.

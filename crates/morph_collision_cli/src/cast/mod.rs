@@ -3,6 +3,7 @@
 mod library;
 mod state;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -79,7 +80,7 @@ impl<B> Cast<B> {
         options: &impl SetUp<Bodies = B>,
         files: &FileArgs,
     ) -> Result<Self, CliError> {
-        let mut library = Library::new(files);
+        let mut library = Library::new(files, path);
         let mut of_bodies = Vec::with_capacity(scene.bodies.len());
         let mut instances = Vec::with_capacity(scene.bodies.len());
         for (body, spec) in scene.bodies.iter().enumerate() {
@@ -102,6 +103,7 @@ impl<B> Cast<B> {
         let names = scene.bodies.iter().enumerate().map(name).collect();
         let mut inputs = vec![path.to_owned()];
         inputs.extend(library.files.values().flat_map(GltfFile::files));
+        inputs.extend(library.clip_files.inputs());
         Ok(Self {
             most_pairs: usize::try_from(files.memory_limit() / BYTES_PER_PAIR).unwrap_or(usize::MAX),
             scene: path.into(),
@@ -163,13 +165,22 @@ fn frames(
     library: &mut Library<'_>,
     of_bodies: &[usize],
 ) -> Result<Vec<Vec<BodyState>>, CliError> {
-    for states in &scene.frames {
-        for (state, &mesh) in states.iter().zip(of_bodies) {
-            if state.clip.is_some() {
-                library.read_clips(mesh);
+    let mut lent = HashSet::new();
+    for (frame, states) in scene.frames.iter().enumerate() {
+        for (body, (state, &mesh)) in states.iter().zip(of_bodies).enumerate() {
+            let Some(name) = &state.clip else { continue };
+            library.read_clips(mesh);
+            if lent.insert((mesh, name)) {
+                library.lend(mesh, name).map_err(|reason| CliError::State {
+                    scene: path.into(),
+                    frame,
+                    body,
+                    reason,
+                })?;
             }
         }
     }
+    library.clip_files.warn();
     let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
     let names: Vec<TargetNames<'_>> = library
         .meshes

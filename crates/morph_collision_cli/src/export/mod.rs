@@ -13,12 +13,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use morph_collision_testkit::gltf_write::to_glb_of_parts;
+use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::numbers::Grouped;
 use morph_collision_testkit::scenes::{BodyState, Scene};
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 use serde::Serialize;
 
 use crate::cast::Cast;
+use crate::clip_files::ClipFiles;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::time_in_clip;
@@ -243,10 +245,12 @@ impl ExportArgs {
             self.drawn
                 .refuse("one mesh is written; --mesh all writes all that is drawn")?;
         }
-        let (file, found) = candidates(&spec, all, &self.drawn, &self.files)?;
+        let budget = MemoryBudget::new(self.files.memory_limit());
+        let mut clip_files = ClipFiles::new(&self.files, &budget, Path::new(""));
+        let (file, found) = candidates(&spec, all, &self.drawn, self.shape.clip.as_slice(), &mut clip_files)?;
         let mut states = self.weights(&found)?;
         if let Some(name) = &self.shape.clip {
-            let clips = clips_of(&found, &file, name).map_err(|error| CliError::Flag {
+            let clips = clips_of(&found, &file, &clip_files, name).map_err(|error| CliError::Flag {
                 flag: "--clip",
                 reason: error.reason(),
             })?;

@@ -11,6 +11,7 @@ use morph_collision_testkit::rivals::PoseError;
 use super::LintArgs;
 use super::members::Member;
 use super::poses::Tried;
+use crate::clip_files::ClipFiles;
 use crate::clips::{BrokenClips, read_clips};
 use crate::error::CliError;
 use crate::model_file::{count_memory, leave_out_unweighted, read_mesh};
@@ -52,6 +53,11 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
     };
     let garment = args.garment.as_ref();
     let garment = garment.map(|path| Garment::read(args, path, file)).transpose()?;
+    let mut clip_files = ClipFiles::new(&args.files, file.budget(), Path::new(""));
+    for clip in &args.clip {
+        let opened = clip_files.open(clip, file);
+        opened.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+    }
     let mut subjects = Vec::new();
     for index in indices {
         let is_garment = garment
@@ -60,12 +66,13 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
         if is_garment && args.mesh.is_none() {
             continue;
         }
-        match subject(args, file, index, garment.as_ref()) {
+        match subject(&mut clip_files, &args.clip, file, index, garment.as_ref()) {
             Ok(subject) => subjects.push(subject),
             Err(error) if args.mesh.is_some() => return Err(error),
             Err(error) => output::complain(format_args!("warning: left out: {error}")),
         }
     }
+    clip_files.warn();
     if subjects.is_empty() {
         let reason = match garment {
             Some(_) => "it has no mesh that can wear the garment",
@@ -79,9 +86,24 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
     Ok(subjects)
 }
 
-fn subject(args: &LintArgs, file: &GltfFile, index: usize, garment: Option<&Garment>) -> Result<Subject, CliError> {
+fn subject(
+    clip_files: &mut ClipFiles<'_>,
+    clips: &[String],
+    file: &GltfFile,
+    index: usize,
+    garment: Option<&Garment>,
+) -> Result<Subject, CliError> {
     let mut mesh = read_mesh(file, index, None)?;
-    let broken = read_clips(&args.files, file, index, None, &mut mesh, None);
+    let broken = read_clips(clip_files.options(), file, index, None, &mut mesh, None);
+    for clip in clips {
+        let wrong = |reason| CliError::Flag { flag: "--clip", reason };
+        let lent = clip_files.lend(clip, file, (index, None), &mut mesh, None);
+        lent.map_err(wrong)?;
+        if clip_files.has(clip) {
+            let found = clip_files.find(clip, file, &mesh, None, &broken);
+            found.map_err(|error| wrong(error.reason()))?;
+        }
+    }
     let (member, left_out) = member(file, index, &mut mesh)?;
     let mut subject = Subject {
         index,

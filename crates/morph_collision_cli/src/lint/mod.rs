@@ -98,7 +98,8 @@ pub(crate) struct LintArgs {
     /// Random seed; the same seed gives the same mixtures.
     #[arg(long, value_name = "S", default_value_t = SEED)]
     seed: u64,
-    /// Play only this animation: its name or its index. Can be repeated; by default, all animations are played.
+    /// Play only this animation: its name or its index, or FILE#NAME for an animation of another file (see `morph-collide query --help`). Can
+    /// be repeated; by default, all animations are played.
     #[arg(long, value_name = "NAME")]
     clip: Vec<String>,
     /// Play animations in loops: their end is their beginning. Without this option, their last pose is tried, too.

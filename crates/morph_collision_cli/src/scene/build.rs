@@ -10,7 +10,8 @@ use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_testkit::skeleton::Skeleton;
 
-use crate::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
+use crate::clip_files::ClipFiles;
+use crate::clips::{BrokenClips, NoClip, clip_names, read_clips};
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::{FrameTimes, time_in_clip};
@@ -79,14 +80,19 @@ impl Candidate {
     }
 
     /// The name of one of its clips, and the clip's length in seconds.
-    pub(crate) fn clip(&self, file: &GltfFile, name: &str) -> Result<(String, f32), NoClip> {
+    pub(crate) fn clip(
+        &self,
+        file: &GltfFile,
+        clip_files: &ClipFiles<'_>,
+        name: &str,
+    ) -> Result<(String, f32), NoClip> {
         let Shown {
             mesh,
             placement,
             broken,
             ..
         } = &*self.shown;
-        let choice = ClipChoice::find(name, file, mesh, placement.as_ref(), broken)?;
+        let choice = clip_files.find(name, file, mesh, placement.as_ref(), broken)?;
         Ok((name.to_owned(), choice.duration(mesh, placement.as_ref())))
     }
 }
@@ -95,11 +101,16 @@ impl Candidate {
 ///
 /// # Errors
 /// No body has such a clip, or the clip of one is broken.
-pub(crate) fn clips_of(found: &[Candidate], file: &GltfFile, name: &str) -> Result<Vec<Option<(String, f32)>>, NoClip> {
+pub(crate) fn clips_of(
+    found: &[Candidate],
+    file: &GltfFile,
+    clip_files: &ClipFiles<'_>,
+    name: &str,
+) -> Result<Vec<Option<(String, f32)>>, NoClip> {
     let mut clips = Vec::with_capacity(found.len());
     let mut unknown = None;
     for candidate in found {
-        match candidate.clip(file, name) {
+        match candidate.clip(file, clip_files, name) {
             Ok(clip) => clips.push(Some(clip)),
             Err(reason) if reason.is_broken() => return Err(reason),
             Err(reason) => {
@@ -124,14 +135,20 @@ pub(crate) fn playable(found: &[Candidate], file: &GltfFile) -> Vec<String> {
 }
 
 /// The bodies of a model's file. With `nodes`, there is one body for each node that shows a mesh, and for each of its instances, and it stands
-/// where the node does. Otherwise a mesh without joints is one body, in its own space.
+/// where the node does. Otherwise a mesh without joints is one body, in its own space. `clips` are the clips that are asked for; those of other
+/// files are added to the bodies.
 pub(crate) fn candidates(
     spec: &ModelSpec,
     nodes: bool,
     drawn: &DrawnArgs,
-    files: &FileArgs,
+    clips: &[String],
+    clip_files: &mut ClipFiles<'_>,
 ) -> Result<(GltfFile, Vec<Candidate>), CliError> {
-    let file = files.open(&spec.file)?;
+    let file = clip_files.options().open(&spec.file)?;
+    for clip in clips {
+        let opened = clip_files.open(clip, &file);
+        opened.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+    }
     let is_one = matches!(spec.meshes, Meshes::One(_));
     let mut found = Vec::new();
     let wanted = wanted(spec, nodes, drawn, &file)?;
@@ -142,7 +159,10 @@ pub(crate) fn candidates(
         })?;
     }
     for of_mesh in wanted.chunk_by(|a, b| a.mesh == b.mesh) {
-        match file.budget().lend(|| of_one_mesh(spec, nodes, files, &file, of_mesh)) {
+        match file
+            .budget()
+            .lend(|| of_one_mesh(spec, nodes, &file, of_mesh, clips, clip_files))
+        {
             Ok(bodies) => found.extend(bodies),
             Err(error) if is_one => return Err(error),
             Err(error) => output::complain(format_args!("warning: left out: {error}")),
@@ -193,9 +213,10 @@ fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> 
 fn of_one_mesh(
     spec: &ModelSpec,
     nodes: bool,
-    files: &FileArgs,
     file: &GltfFile,
     of_mesh: &[Drawn],
+    clips: &[String],
+    clip_files: &mut ClipFiles<'_>,
 ) -> Result<Vec<Candidate>, CliError> {
     let index = of_mesh[0].mesh;
     let mut mesh = read_mesh(file, index, of_mesh[0].node)?;
@@ -223,8 +244,12 @@ fn of_one_mesh(
         }
         let is_placed = nodes && mesh.skin.is_none();
         let placement = node.filter(|_| is_placed);
-        let placement = placement.map(|node| file.placement(index, node)).transpose()?;
-        let broken = read_clips(files, file, index, node, &mut mesh, placement.as_ref());
+        let mut placement = placement.map(|node| file.placement(index, node)).transpose()?;
+        let broken = read_clips(clip_files.options(), file, index, node, &mut mesh, placement.as_ref());
+        for clip in clips {
+            let lent = clip_files.lend(clip, file, (index, node), &mut mesh, placement.as_mut());
+            lent.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+        }
         let is_named = nodes || (mesh.skin.is_some() && of_mesh.len() > 1);
         let node = node.filter(|_| is_named);
         let body = SceneBody {

@@ -10,9 +10,11 @@ mod place;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::scenes::{BodyState, Scene};
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
+use crate::clip_files::ClipFiles;
 use crate::clips::NoClip;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
@@ -42,7 +44,8 @@ pub(crate) struct SceneArgs {
     /// .glb or .gltf files. FILE#2 or FILE#NAME is another mesh than the first, and FILE#all is a body for every mesh that is drawn.
     #[arg(required = true, value_name = "MODEL")]
     models: Vec<String>,
-    /// The animation that bodies play: its name or its index. Give it once for all models, or once per model, with "" for none.
+    /// The animation that bodies play: its name or its index, or FILE#NAME for an animation of another file (see `morph-collide query
+    /// --help`). Give it once for all models, or once per model, with "" for none.
     ///
     /// Given once, models without this animation stay at rest.
     #[arg(long, value_name = "NAME")]
@@ -110,13 +113,17 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     let mut seconds = 0.0_f32;
     let mut complaint = None;
     let mut inputs = Vec::new();
+    let budget = MemoryBudget::new(args.files.memory_limit());
+    let mut clip_files = ClipFiles::new(&args.files, &budget, Path::new(""));
     for (model, spec) in models.iter().enumerate() {
-        let (file, found) = candidates(spec, args.node_transforms, &args.drawn, &args.files)?;
+        let clip = of_model(&args.clip, model).filter(|clip| !clip.is_empty());
+        let wanted = clip.map_or(&[][..], std::slice::from_ref);
+        let (file, found) = candidates(spec, args.node_transforms, &args.drawn, wanted, &mut clip_files)?;
         inputs.extend(file.files());
         for candidate in found {
-            let clip = match of_model(&args.clip, model).filter(|clip| !clip.is_empty()) {
+            let clip = match clip {
                 None => None,
-                Some(clip) => match candidate.clip(&file, clip) {
+                Some(clip) => match candidate.clip(&file, &clip_files, clip) {
                     Ok(clip) => Some(clip),
                     Err(NoClip::Broken(reason)) => return Err(CliError::Flag { flag: "--clip", reason }),
                     Err(NoClip::Unknown(reason)) => {
@@ -136,6 +143,8 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     if let (Some(reason), true) = (complaint, is_missing) {
         return Err(CliError::Flag { flag: "--clip", reason });
     }
+    clip_files.warn();
+    inputs.extend(clip_files.inputs());
     let moves = args.place.iter().any(Place::moves);
     let times = match args.frames {
         Some(frames) => FrameTimes::counted(frames as usize, args.fps),
@@ -146,6 +155,9 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     let frames = times.len();
     // `run` must be able to read the scene with the same memory limit.
     check_frames(frames, bodies.len(), 2048, &args.files, "--frames")?;
+    for (name, _) in clips.iter_mut().flatten() {
+        *name = clip_files.renamed(name, |file| relative(file, &args.output));
+    }
     let mut all = build::frames_of_clips(&clips, &times, args.is_loop);
     for (frame, of_frame) in all.iter_mut().enumerate() {
         let share = frame as f32 / frames.saturating_sub(1).max(1) as f32;

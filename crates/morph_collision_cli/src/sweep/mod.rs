@@ -10,9 +10,11 @@ mod rows;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::scenes::Scene;
 
 use crate::cast::Cast;
+use crate::clip_files::ClipFiles;
 use crate::depth::ThresholdArgs;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
@@ -48,7 +50,8 @@ const EXAMPLES: &str = "Examples:
 pub(crate) struct SweepArgs {
     /// A .glb or .gltf file, or a scene file (.json).
     input: PathBuf,
-    /// Play only this animation: its name or its index. Can be repeated; by default, all animations of the model are played.
+    /// Play only this animation: its name or its index, or FILE#NAME for an animation of another file (see `morph-collide query --help`). Can
+    /// be repeated; by default, all animations of the model are played.
     #[arg(long, value_name = "NAME")]
     clip: Vec<String>,
     /// Use only this mesh of the model: its index in the file, or its name.
@@ -164,7 +167,9 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
         args.drawn
             .refuse("--mesh names a mesh, which is taken wherever it is")?;
     }
-    let (file, found) = candidates(&spec, true, &args.drawn, &args.files)?;
+    let budget = MemoryBudget::new(args.files.memory_limit());
+    let mut clip_files = ClipFiles::new(&args.files, &budget, Path::new(""));
+    let (file, found) = candidates(&spec, true, &args.drawn, &args.clip, &mut clip_files)?;
     let names = if args.clip.is_empty() {
         playable(&found, &file)
     } else {
@@ -173,7 +178,7 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
     let fps = args.fps.unwrap_or(30.0);
     let (mut frames, mut labels) = (Vec::new(), Vec::new());
     for name in &names {
-        let clips = clips_of(&found, &file, name).map_err(|error| CliError::Flag {
+        let clips = clips_of(&found, &file, &clip_files, name).map_err(|error| CliError::Flag {
             flag: "--clip",
             reason: error.reason(),
         })?;

@@ -4,6 +4,7 @@
 mod bad_input;
 mod bench;
 mod bombs;
+mod clip_files;
 mod clips;
 mod drawn;
 mod export;

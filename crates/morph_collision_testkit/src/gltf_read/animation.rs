@@ -57,7 +57,7 @@ impl GltfFile {
             channel.mesh == mesh && is_of_node
         };
         for channel in channels.into_iter().filter(is_wanted) {
-            match self.read_channel(&channel, targets) {
+            match self.read_channel(&channel, Some(targets)) {
                 Ok((mut clip, interpolation)) => {
                     clip.name = names.of(channel.index);
                     if found.animations.last() == Some(&channel.index) {
@@ -174,10 +174,32 @@ impl GltfFile {
         json.is_ok_and(|json| json.weights.is_some())
     }
 
+    /// The weights of a channel of any node, for as many targets as it has weights for.
+    pub(super) fn channel_weights(
+        &self,
+        animation: &Animation,
+        index: usize,
+        channel: usize,
+        sampler: usize,
+    ) -> Result<WeightAnimation, AnimationProblem> {
+        let channel = WeightChannel {
+            animation,
+            name: animation.name.as_deref(),
+            index,
+            channel,
+            node: None,
+            mesh: 0,
+            sampler,
+            one: None,
+        };
+        Ok(self.read_channel(&channel, None)?.0)
+    }
+
+    /// Reads the weights of so many targets, or else of as many as there are weights for.
     fn read_channel(
         &self,
         json: &WeightChannel<'_>,
-        targets: usize,
+        targets: Option<usize>,
     ) -> Result<(WeightAnimation, Interpolation), AnimationProblem> {
         let channel = json.channel;
         if let Some(pointer) = json.one {
@@ -198,6 +220,8 @@ impl GltfFile {
         let stored = self.open_accessor(sampler.output, &WEIGHTS).map_err(at("weights"))?;
 
         let (keys, found) = (times.count(), stored.count());
+        let vectors = keys.saturating_mul(interpolation.vectors_per_key());
+        let targets = targets.unwrap_or(found / vectors.max(1));
         let expected = keys
             .saturating_mul(targets)
             .saturating_mul(interpolation.vectors_per_key());

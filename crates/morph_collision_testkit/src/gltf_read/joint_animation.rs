@@ -103,7 +103,7 @@ impl GltfFile {
         Ok(channels)
     }
 
-    fn joint_channel(
+    pub(super) fn joint_channel(
         &self,
         animation: &Animation,
         (channel, json): (usize, &Channel),

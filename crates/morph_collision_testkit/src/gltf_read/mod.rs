@@ -30,6 +30,7 @@ mod accessor;
 mod animation;
 mod animations;
 mod attributes;
+mod borrowed;
 mod buffers;
 mod channels;
 mod compressed;
@@ -62,6 +63,7 @@ use std::path::Path;
 
 pub use self::animation::Clips;
 pub use self::animations::AnimationInfo;
+pub use self::borrowed::{BorrowedClip, Matched};
 pub use self::document::ElementError;
 pub use self::error::{
     AccessorProblem, AnimationProblem, BufferFault, BufferProblem, CompressionFault, MeshProblem, NodeProblem,

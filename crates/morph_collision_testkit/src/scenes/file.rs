@@ -119,7 +119,7 @@ pub struct BodyState {
     /// Factors along the model's axes; 0 and negative factors are allowed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<[f32; 3]>,
-    /// The name of a clip of the model.
+    /// The name of a clip of the model, or of a clip of another file: `FILE#NAME`, relative to the scene's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip: Option<String>,
     /// The time in the clip, in seconds; 0 by default. The first pose holds before the clip, and the last one after it.

@@ -63,6 +63,15 @@ pub fn gltf(data: &[u8]) {
                 for clip in &skin.skeleton.clips {
                     let _joints = skin.skeleton.world_from_mesh(Some(clip), 0.7 * clip.duration());
                 }
+                for animation in 0..report.animations.len() {
+                    let borrowed = file.borrowed_clip(animation);
+                    let clip = borrowed.map(|clip| clip.for_skeleton("other", &skin.skeleton, file.budget()));
+                    if let Ok(Ok(Some(matched))) = clip {
+                        let _joints = skin
+                            .skeleton
+                            .world_from_mesh(Some(&matched.clip), 0.7 * matched.clip.duration());
+                    }
+                }
             }
         });
     }

@@ -46,7 +46,7 @@ impl GltfFile {
             let ReadError::Animation { animation, .. } = error else {
                 continue;
             };
-            let reason = error.to_string() + &Remedy::hint(error.remedy());
+            let reason = error.to_string() + Remedy::hint(error.remedy());
             let bytes = (size_of::<BrokenClip>() + reason.len()) as u64;
             if self.budget.take(bytes, 2, String::new).is_ok() {
                 hierarchy.skeleton.broken.push(BrokenClip { animation, reason });

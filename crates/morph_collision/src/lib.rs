@@ -70,7 +70,7 @@ pub use bounds::{Aabb, Kernel, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangle_distance, triangles_intersect};
 pub use input_error::InputError;
 pub use joints::JointMatrices;
-pub use model::{Influences, ModelError, MorphModel, SparseTarget, TargetDisplacements};
+pub use model::{BadParts, Influences, ModelError, MorphModel, SparseTarget, TargetDisplacements};
 pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 pub use query::{
     Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,

@@ -1,6 +1,7 @@
 //! The immutable mesh: welded base positions, sparse displacements, influences of joints, triangles, and the map from source
 //! to welded vertices.
 
+mod bad_parts;
 mod check;
 mod displacement;
 mod error;
@@ -11,6 +12,7 @@ mod weight_box;
 mod weights;
 mod weld;
 
+pub use bad_parts::BadParts;
 pub(crate) use displacement::Displacement;
 pub use error::ModelError;
 pub(crate) use morph_model::LARGEST;

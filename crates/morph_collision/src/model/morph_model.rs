@@ -114,8 +114,7 @@ impl MorphModel {
         if base.is_empty() {
             return Err(ModelError::NoVertices);
         }
-        check::count("vertices", base.len(), u32::MAX as usize / 4)?;
-        check::count("targets", targets.len(), u16::MAX as usize)?;
+        check::sizes(base.len(), targets.len(), triangles.len())?;
         check::triangles(triangles, base.len())?;
 
         let Welded {

@@ -158,8 +158,8 @@ pub(super) struct SlotInfluences<'a> {
 }
 
 impl<'a> SlotInfluences<'a> {
-    /// Checks influences of this many vertices.
-    pub(super) fn checked(vertices: usize, joint_count: usize, sets: &'a [Influences<'a>]) -> Result<Self, ModelError> {
+    /// Influences of this many vertices, of which only the number is checked.
+    pub(super) fn new(vertices: usize, joint_count: usize, sets: &'a [Influences<'a>]) -> Result<Self, ModelError> {
         super::check::count("joints", joint_count, usize::from(u16::MAX) - 1)?;
         for (set, Influences { joints, weights }) in sets.iter().enumerate() {
             for (what, length) in [("joints", joints.len()), ("weights", weights.len())] {
@@ -172,36 +172,47 @@ impl<'a> SlotInfluences<'a> {
                 }
             }
         }
-        let influences = Self { joint_count, sets };
+        Ok(Self { joint_count, sets })
+    }
+
+    /// Checks influences of this many vertices.
+    pub(super) fn checked(vertices: usize, joint_count: usize, sets: &'a [Influences<'a>]) -> Result<Self, ModelError> {
+        let influences = Self::new(vertices, joint_count, sets)?;
         let mut count = 0;
         for vertex in 0..vertices {
-            let mut sum = 0.0;
-            for (slot, (joint, weight)) in influences.slots(vertex).enumerate() {
-                if !(0.0..=MAX_WEIGHT).contains(&weight) {
-                    return Err(ModelError::BadInfluence {
-                        vertex,
-                        slot,
-                        joint,
-                        weight,
-                    });
-                }
-                if weight > 0.0 && usize::from(joint) >= joint_count {
-                    return Err(ModelError::JointOutOfRange {
-                        vertex,
-                        slot,
-                        joint,
-                        joint_count,
-                    });
-                }
-                sum += f64::from(weight);
-                count += usize::from(weight > 0.0);
-            }
-            if sum > MAX_SUM {
-                return Err(ModelError::WeightsTooLarge { vertex, sum });
-            }
+            count += influences.check(vertex)?;
         }
         super::check::count("influences", count, u32::MAX as usize)?;
         Ok(influences)
+    }
+
+    /// Checks the influences of a vertex. Returns the number of those with a weight that is not 0.
+    pub(super) fn check(&self, vertex: usize) -> Result<usize, ModelError> {
+        let (mut count, mut sum) = (0, 0.0);
+        for (slot, (joint, weight)) in self.slots(vertex).enumerate() {
+            if !(0.0..=MAX_WEIGHT).contains(&weight) {
+                return Err(ModelError::BadInfluence {
+                    vertex,
+                    slot,
+                    joint,
+                    weight,
+                });
+            }
+            if weight > 0.0 && usize::from(joint) >= self.joint_count {
+                return Err(ModelError::JointOutOfRange {
+                    vertex,
+                    slot,
+                    joint,
+                    joint_count: self.joint_count,
+                });
+            }
+            count += usize::from(weight > 0.0);
+            sum += f64::from(weight);
+        }
+        if sum > MAX_SUM {
+            return Err(ModelError::WeightsTooLarge { vertex, sum });
+        }
+        Ok(count)
     }
 
     fn slots(&self, vertex: usize) -> impl Iterator<Item = (u16, f32)> + use<'a> {

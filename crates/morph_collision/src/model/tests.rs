@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use super::{Influences, ModelError, MorphModel};
+use super::{BadParts, Influences, ModelError, MorphModel, SparseTarget};
 
 const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
@@ -130,4 +130,112 @@ fn unusable_meshes_are_refused_with_what_and_where() {
     bent[2].y = f32::INFINITY;
     let error = build(&CORNERS, &[[0, 1, 2]], &vec![bent.to_vec()]);
     assert!(error.to_string().starts_with("target 0, vertex 2: "), "{error}");
+}
+
+/// A fan of triangles around vertex 0, and a target.
+fn fan() -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<Vec3>) {
+    let base = (0..12).map(|i| Vec3::new(i as f32, (i * i) as f32, 1.0)).collect();
+    let triangles = (1..11).map(|i| [0, i, i + 1]).collect();
+    (base, triangles, vec![Vec3::Z; 12])
+}
+
+#[test]
+fn bad_parts_are_those_for_which_a_model_is_refused() {
+    let (base, triangles, target) = fan();
+    let (joints, weights) = (vec![[0, 1, 9, 9]; 12], vec![[0.5, 0.5, 0.0, 0.0]; 12]);
+    type Spoil = fn(&mut Vec<Vec3>, &mut Vec<[u32; 3]>, &mut Vec<Vec3>, &mut Vec<[u16; 4]>, &mut Vec<[f32; 4]>);
+    let cases: [(Spoil, &[u32], &[u32], &str); 8] = [
+        (|_, _, _, _, _| {}, &[], &[], ""),
+        (|base, _, _, _, _| base[3].y = f32::NAN, &[1, 2], &[3], "base, vertex 3"),
+        (
+            |_, _, target, _, _| target[11].z = 1e38,
+            &[9],
+            &[11],
+            "target 0, vertex 11",
+        ),
+        (
+            |_, _, _, _, weights| weights[5][1] = f32::NAN,
+            &[3, 4],
+            &[5],
+            "vertex 5, influence 1",
+        ),
+        (
+            |_, _, _, _, weights| weights[5][2] = -0.1,
+            &[3, 4],
+            &[5],
+            "vertex 5, influence 2",
+        ),
+        (
+            |_, _, _, joints, _| joints[11][0] = 2,
+            &[9],
+            &[11],
+            "vertex 11, influence 0: joint 2",
+        ),
+        (
+            |_, triangles, _, _, _| triangles[4][2] = 12,
+            &[4],
+            &[],
+            "triangle 4, corner 2",
+        ),
+        (
+            |base, triangles, _, _, weights| {
+                base[2].x = f32::INFINITY;
+                triangles[7][0] = u32::MAX;
+                weights[2][0] = f32::NAN;
+            },
+            &[0, 1, 7],
+            &[2],
+            "base, vertex 2",
+        ),
+    ];
+    for (spoil, bad_triangles, bad_vertices, reason) in cases {
+        let (mut base, mut triangles, mut target) = (base.clone(), triangles.clone(), target.clone());
+        let (mut joints, mut weights) = (joints.clone(), weights.clone());
+        spoil(&mut base, &mut triangles, &mut target, &mut joints, &mut weights);
+        let build = |base: &[Vec3], triangles: &[[u32; 3]], target: &Vec<Vec3>, joints: &[[u16; 4]], weights: &[_]| {
+            MorphModel::skinned(base, triangles, &[target], 2, &[Influences { joints, weights }])
+        };
+        let refused = build(&base, &triangles, &target, &joints, &weights).err();
+        assert_eq!(refused.is_some(), !reason.is_empty(), "{refused:?}");
+        let sets = [Influences {
+            joints: &joints,
+            weights: &weights,
+        }];
+        let bad = BadParts::find(&base, &triangles, &[&target], Some((2, &sets))).unwrap();
+        assert_eq!(
+            (bad.triangles(), bad.vertices()),
+            (bad_triangles, bad_vertices),
+            "{reason}"
+        );
+        let told = bad.first().map(ToString::to_string).unwrap_or_default();
+        assert!(
+            told.starts_with(reason) && told.is_empty() == reason.is_empty(),
+            "{told}"
+        );
+        bad.mend(&mut base);
+        let mut sparse: SparseTarget = target.iter().copied().collect();
+        bad.mend_target(&mut sparse);
+        bad.mend(&mut target);
+        assert_eq!(sparse, target.iter().copied().collect());
+        bad.mend(&mut joints);
+        bad.mend(&mut weights);
+        bad.remove_from(&mut triangles);
+        let model = build(&base, &triangles, &target, &joints, &weights).unwrap();
+        assert_eq!(model.triangle_count(), 10 - bad_triangles.len());
+        // Bad vertices count for nothing.
+        assert_eq!(model.vertex_count(), 12 - bad_vertices.len());
+        assert!(model.joint_weight_error().unwrap() < 1e-12);
+    }
+}
+
+#[test]
+fn what_cannot_be_mended_stays_an_error() {
+    let (_, triangles, target) = fan();
+    let mut base = vec![Vec3::NAN; 12];
+    let bad = BadParts::find(&base, &triangles, &[&target], None).unwrap();
+    assert_eq!((bad.triangles().len(), bad.vertices().len()), (10, 12));
+    bad.mend(&mut base);
+    assert!(base[0].is_nan(), "there is no good vertex");
+    let short = BadParts::find(&base, &triangles, &[&target[1..]], None).unwrap_err();
+    assert!(matches!(short, ModelError::LengthMismatch { .. }));
 }

@@ -7,7 +7,7 @@ use morph_collision_testkit::inspect::{FileReport, Summary, SummaryRow};
 
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice};
-use crate::{output, progress};
+use crate::{left_out, output, progress};
 
 const EXAMPLES: &str = "Examples:
   morph-collide inspect face.glb
@@ -66,7 +66,14 @@ fn batch(args: &InspectArgs) -> Result<(), CliError> {
     let mut summary = Summary::default();
     for model in &args.models {
         summary.files.push(match report(args, model) {
-            Ok(report) => SummaryRow::of(&report),
+            Ok(report) => {
+                for mesh in &report.meshes {
+                    if let Some(left_out) = &mesh.left_out {
+                        left_out::tell(model, mesh.index, &mesh.name, left_out.clone());
+                    }
+                }
+                SummaryRow::of(&report)
+            }
             Err(error) => SummaryRow::unreadable(model.display().to_string(), error.to_string()),
         });
     }

@@ -33,6 +33,7 @@ mod frame_times;
 mod guides;
 mod help;
 mod inspect;
+mod left_out;
 pub mod lint;
 mod methods;
 mod model_file;

@@ -9,6 +9,7 @@ use clap::Args;
 use morph_collision::ModelError;
 use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
 use morph_collision_testkit::inspect::MeshError;
+use morph_collision_testkit::left_out::LeftOut;
 use morph_collision_testkit::memory::{self, MemoryBudget};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::nearest::suggestion;
@@ -18,7 +19,7 @@ use morph_collision_testkit::unweighted::Unweighted;
 
 use crate::clips::ToldClips;
 use crate::error::CliError;
-use crate::{output, progress};
+use crate::{left_out, output, progress};
 
 /// The name of stdin and stdout on the command line.
 pub(crate) const STANDARD: &str = "-";
@@ -38,6 +39,13 @@ pub(crate) struct FileArgs {
     /// or symbolic links that lead elsewhere.
     #[arg(long, help_heading = "Files")]
     allow_any_path: bool,
+    /// Leave out bad triangles instead of refusing their mesh.
+    ///
+    /// Bad are triangles with a corner that is no vertex, or whose vertex has a position, a displacement or a joint weight that is not a
+    /// number or too large, or a weight of a joint that does not exist. Targets that a primitive lacks do not move it. Every output says how
+    /// much is left out. The other triangles are numbered without those that are left out.
+    #[arg(long, help_heading = "Files")]
+    skip_bad: bool,
     /// What the user was told about clips.
     #[arg(skip)]
     pub(crate) told: ToldClips,
@@ -53,6 +61,7 @@ impl FileArgs {
         for (flag, given) in [
             ("--memory-limit", self.memory_limit.is_some()),
             ("--allow-any-path", self.allow_any_path),
+            ("--skip-bad", self.skip_bad),
         ] {
             if given {
                 let reason = "no model is named, so it has no effect; name a model or leave it out".to_owned();
@@ -72,7 +81,7 @@ impl FileArgs {
         let options = ReadOptions {
             memory_limit: self.memory_limit(),
             any_path: self.allow_any_path,
-            ..ReadOptions::default()
+            skip_bad: self.skip_bad,
         };
         if model == Path::new(STANDARD) {
             progress::doing("reading a model from standard input");
@@ -190,13 +199,16 @@ fn in_all(count: usize) -> String {
 /// Reads a mesh that takes part in collisions, as a node shows it, or else its main node: with its skin and its default weights, but without
 /// the clips of its weights.
 pub(crate) fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> Result<MorphMesh, CliError> {
-    let found = file.mesh(index)?;
+    let mut found = file.mesh(index)?;
     found
         .check_triangles()
         .map_err(|reason| mesh_error(file, index, reason))?;
-    let mut mesh = found.mesh;
-    show_with(file, index, node, &mut mesh)?;
-    Ok(mesh)
+    show_with(file, index, node, &mut found.mesh)?;
+    let left_out = LeftOut::of(file, &mut found).map_err(|reason| mesh_error(file, index, reason.into()))?;
+    if let Some(left_out) = left_out {
+        left_out::tell(file.path(), index, &found.mesh.name, left_out);
+    }
+    Ok(found.mesh)
 }
 
 /// Gives a mesh the skin and the default weights with which a node shows it.

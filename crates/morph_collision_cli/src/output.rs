@@ -11,6 +11,7 @@ use morph_collision_testkit::printable::{Printable, is_printable};
 use serde::Serialize;
 
 use crate::error::CliError;
+use crate::left_out::{self, LeftOutOfMesh};
 use crate::progress;
 
 /// The version of all JSON that the program writes. It changes if a key changes its meaning or is removed.
@@ -25,6 +26,9 @@ struct Versioned<'a, T> {
     version: u32,
     #[serde(flatten)]
     report: &'a T,
+    /// What `--skip-bad` left out of meshes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out: Vec<LeftOutOfMesh>,
 }
 
 /// Leaves stdout to an output file. Reports go to stderr from now on.
@@ -42,6 +46,7 @@ pub(crate) fn print_json(report: &impl Serialize) -> Result<(), CliError> {
     let report = Versioned {
         version: VERSION,
         report,
+        left_out: left_out::all(),
     };
     let text = serde_json::to_string_pretty(&report).map_err(|error| CliError::Stdout(error.into()))?;
     write(&printable_json(&text))

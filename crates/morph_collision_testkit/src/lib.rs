@@ -55,6 +55,7 @@ pub mod gltf_read;
 pub mod gltf_write;
 pub mod inspect;
 pub mod joined;
+pub mod left_out;
 pub mod memory;
 pub mod mesh;
 pub mod models;

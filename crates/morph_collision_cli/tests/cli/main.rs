@@ -20,6 +20,7 @@ mod query;
 mod run;
 mod scene;
 mod skins;
+mod skip_bad;
 mod stress;
 mod support;
 mod surface;

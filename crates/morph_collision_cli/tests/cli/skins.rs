@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_testkit::models::rigs::tube;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
@@ -95,6 +97,19 @@ fn inspect_tells_the_joints_and_their_clips() -> TestResult {
             && text.contains("joints in animation 0 \"rise\": 1.000 s"),
         "{text}"
     );
+    Ok(())
+}
+
+#[test]
+fn inspect_says_that_engines_draw_four_joints_per_vertex() -> TestResult {
+    let dir = tempdir()?;
+    for (influences, is_said) in [(4, false), (6, true)] {
+        let path = dir.path().join(format!("{influences}.glb"));
+        std::fs::write(&path, to_glb(&tube(1, 8, influences, 0), &Appearance::default())?)?;
+        let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+        let line = "engines that draw four joints per vertex, such as Bevy, show something else";
+        assert_eq!(text.contains(line), is_said, "{text}");
+    }
     Ok(())
 }
 

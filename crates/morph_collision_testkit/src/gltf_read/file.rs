@@ -158,6 +158,12 @@ impl GltfFile {
         })
     }
 
+    /// Whether meshes are read without their bad parts ([`ReadOptions::skip_bad`]).
+    #[must_use]
+    pub fn skips_bad(&self) -> bool {
+        self.skip_bad
+    }
+
     /// The path it was opened with.
     #[must_use]
     pub fn path(&self) -> &Path {

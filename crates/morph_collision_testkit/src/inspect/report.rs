@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::node::DrawnNodes;
 use super::{AnimationReport, FileAnimationReport, NodeReport, SkinReport, UsableReport};
 use crate::gltf_read::{Clips, Drawing, Extent, FoundMesh, GltfFile, JointClips, ReadError, Remedy};
+use crate::left_out::LeftOut;
 use crate::memory::OverBudget;
 use crate::mesh::MorphMesh;
 use crate::printable::Printable;
@@ -32,13 +33,21 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    /// The option that would let the mesh through, if a limit refused it.
+    /// The option that would let the mesh through, if there is one.
     #[must_use]
     pub fn remedy(&self) -> Option<Remedy> {
         match self {
             Self::OverBudget(_) => Some(Remedy::MoreMemory),
             Self::Skin(error) => error.remedy(),
-            Self::Model(_) | Self::Pose(_) | Self::NotTriangles(_) => None,
+            Self::Model(error) => match error {
+                ModelError::IndexOutOfRange { .. }
+                | ModelError::JointOutOfRange { .. }
+                | ModelError::BadInfluence { .. }
+                | ModelError::WeightsTooLarge { .. }
+                | ModelError::BadCoordinate { .. } => Some(Remedy::SkipBad),
+                _ => None,
+            },
+            Self::Pose(_) | Self::NotTriangles(_) => None,
         }
     }
 }
@@ -87,6 +96,9 @@ pub struct MeshReport {
     /// Warnings about clips that cannot be played.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+    /// What was left out of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<LeftOut>,
     /// Data that only a mesh that can collide has.
     #[serde(flatten)]
     pub usable: Option<UsableReport>,
@@ -166,14 +178,18 @@ impl MeshReport {
             Ok(weights) => found.mesh.default_weights = weights,
             Err(error) => warnings.push(without_file(&error)),
         }
+        let mut skipped = None;
         let usable = || {
             skin.map_err(|error| MeshError::Skin(Box::new(error)))?;
+            skipped = LeftOut::of(file, &mut found)?;
             let mesh = found.check_triangles()?;
             let bytes = mesh.tree_bytes().saturating_add(mesh.body_bytes(false));
             file.budget().take(bytes, 1, || "its tree".into())?;
             UsableReport::new(mesh)
         };
-        let mut report = Self::of(index, &found.mesh, &clips, &joint_clips, usable());
+        let usable = usable();
+        let mut report = Self::of(index, &found.mesh, &clips, &joint_clips, usable);
+        report.left_out = skipped;
         report.skinned = found.skinned;
         report.nodes = NodeReport::all(file, index, drawn);
         warnings.extend(clips.broken.iter().map(left_out));
@@ -213,6 +229,7 @@ impl MeshReport {
                 })
                 .collect(),
             warnings: Vec::new(),
+            left_out: None,
             usable,
             error,
         }
@@ -232,6 +249,7 @@ impl MeshReport {
             skin: None,
             animations: Vec::new(),
             warnings: Vec::new(),
+            left_out: None,
             usable: None,
             error: Some(match error {
                 ReadError::Mesh { problem, .. } => format!("{problem}{}", Remedy::hint(error.remedy())),

@@ -52,7 +52,8 @@ impl SummaryRow {
                 .iter()
                 .filter_map(|mesh| Some((mesh, mesh.usable.as_ref()?)))
         };
-        let warnings = report.meshes.iter().map(|mesh| mesh.warnings.len());
+        let of_mesh = |mesh: &MeshReport| mesh.warnings.len() + usize::from(mesh.left_out.is_some());
+        let warnings = report.meshes.iter().map(of_mesh);
         let broken = report.meshes.iter().find(|mesh| mesh.usable.is_none());
         let broken = broken.map(|mesh| {
             let error = mesh.error.as_deref().unwrap_or_default();

@@ -42,6 +42,11 @@ impl Display for FileReport {
             for (mesh, warning) in warnings {
                 writeln!(f, "warning: mesh {mesh}: {warning}")?;
             }
+            for mesh in &self.meshes {
+                if let Some(left_out) = &mesh.left_out {
+                    writeln!(f, "warning: mesh {}: {left_out}", mesh.index)?;
+                }
+            }
             return Ok(());
         }
         self.meshes.iter().try_for_each(|mesh| render_mesh(f, mesh))
@@ -145,6 +150,9 @@ fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
     }
     for warning in &mesh.warnings {
         writeln!(text, "  warning     {warning}")?;
+    }
+    if let Some(left_out) = &mesh.left_out {
+        writeln!(text, "  left out    {left_out}")?;
     }
     if let Some(usable) = &mesh.usable {
         render_bounds(text, mesh, usable)?;
@@ -295,6 +303,12 @@ fn render_skin(text: &mut impl Write, skin: &SkinReport) -> fmt::Result {
             grouped(off),
             grouped(vertices)
         )?,
+    }
+    if skin.most_influences > 4 {
+        writeln!(
+            text,
+            "              engines that draw four joints per vertex, such as Bevy, show something else"
+        )?;
     }
     for clip in &skin.clips {
         let (animation, name, seconds, nodes) = (clip.animation, Printable(&clip.name), clip.seconds, clip.nodes_moved);

@@ -3,7 +3,7 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues, VertexFormat, morph::MorphAttributes};
 use bevy::prelude::*;
-use bevy_morph_collision::{ImportError, MorphTrees, morph_collision::ModelError};
+use bevy_morph_collision::{ImportError, MorphCollisionSettings, MorphTrees, morph_collision::ModelError};
 
 use crate::log::Errors;
 use crate::support::{
@@ -243,6 +243,60 @@ fn a_transform_that_is_not_finite_is_logged_once_and_leaves_its_collider_out() {
         move_to(&mut app, b, 0.8);
         app.update();
         assert!(touches(&app, a, b));
+        assert_eq!(errors.take(), [""; 0]);
+    });
+}
+
+/// A cube with a vertex at no place.
+fn cube_with_a_bad_corner() -> (Mesh, usize) {
+    let mut cube = cube();
+    let bad = cube.triangles.iter().filter(|corners| corners.contains(&7)).count();
+    cube.positions[7].y = f32::NAN;
+    (bevy_mesh(&cube), bad)
+}
+
+/// The whole mesh was refused, and once more for every change.
+#[test]
+fn bad_triangles_are_left_out_if_the_setting_says_so() {
+    Errors::collect(|errors| {
+        let mut app = app();
+        let (mesh, bad) = cube_with_a_bad_corner();
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        let good = add_mesh(&mut app, &cube());
+        let [a, b] = [(&mesh, 0.0), (&good, -0.8)].map(|(mesh, x)| spawn(&mut app, mesh, x));
+        spawn(&mut app, &mesh, 50.0);
+        settle(&mut app);
+        let logged = errors.take();
+        assert_eq!(logged.len(), 1, "{logged:?}");
+        let remedy = "`MorphCollisionSettings::skip_bad_triangles`";
+        assert!(
+            logged[0].contains(remedy) && logged[0].contains("base, vertex 7"),
+            "{logged:?}"
+        );
+        for _ in 0..3 {
+            let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+            meshes.get_mut(&mesh).unwrap().asset_usage = RenderAssetUsages::default();
+            settle(&mut app);
+        }
+        assert_eq!(errors.take(), [""; 0], "the same again");
+        assert!(!touches(&app, a, b));
+
+        let of = |app: &App| app.world().resource::<MorphTrees>().left_out(mesh.id()).cloned();
+        assert_eq!(of(&app), None);
+        app.world_mut()
+            .resource_mut::<MorphCollisionSettings>()
+            .skip_bad_triangles = true;
+        settle(&mut app);
+        settle(&mut app);
+        let left_out = of(&app).expect("triangles are left out");
+        assert_eq!((left_out.triangles, left_out.of_triangles), (bad, 12));
+        let trees = app.world().resource::<MorphTrees>();
+        assert_eq!(trees.error(mesh.id()), None);
+        assert_eq!(trees.get(mesh.id()).unwrap().model().triangle_count(), 12 - bad);
+        assert!(touches(&app, a, b), "the other side of the cube");
+        let warned = errors.take_warnings();
+        let told = format!("{bad} of its 12 triangles are left out: base, vertex 7");
+        assert!(warned.len() == 1 && warned[0].contains(&told), "{warned:?}");
         assert_eq!(errors.take(), [""; 0]);
     });
 }

@@ -18,7 +18,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::oracle::skinned_vertices;
 use morph_collision_workspace::app::{headless, is_loaded, update_until};
 
-use crate::log::start;
+use crate::log::{Errors, start};
 use crate::support::{assets, settle, stretching_cube};
 
 /// An app with the first scene of a file in it.
@@ -286,4 +286,70 @@ fn meshes_without_normals_are_repaired_whichever_plugin_comes_first() {
     start(&mut app);
     show(&mut app, &file, MorphColliderScene::default());
     assert_eq!(compare_all(app, &file, &read), 2);
+}
+
+/// A file that shows one habit of exporters.
+fn field(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("crates/morph_collision_testkit/tests/gltf/data/field")
+        .join(name)
+}
+
+/// The mesh of the only collider.
+fn only_mesh(app: &mut App) -> AssetId<Mesh> {
+    let mut shown = app.world_mut().query_filtered::<&Mesh3d, With<MorphCollider>>();
+    shown.single(app.world()).unwrap().id()
+}
+
+#[test]
+fn a_weight_that_is_no_number_is_one_error_or_costs_only_its_triangles() {
+    Errors::collect(|errors| {
+        let mut app = load(
+            &field("c34_nan_weight_of_one_vertex.glb"),
+            MorphColliderScene::default(),
+        );
+        (0..3).for_each(|_| app.update());
+        let logged = errors.take();
+        let why = "vertex 5, influence 0: the weight of joint 0 is NaN";
+        assert!(logged.len() == 1 && logged[0].contains(why), "{logged:?}");
+        let mesh = only_mesh(&mut app);
+
+        app.world_mut()
+            .resource_mut::<MorphCollisionSettings>()
+            .skip_bad_triangles = true;
+        settle(&mut app);
+        settle(&mut app);
+        let trees = app.world().resource::<MorphTrees>();
+        let left_out = trees.left_out(mesh).expect("triangles are left out");
+        assert_eq!((left_out.triangles, left_out.of_triangles), (6, 68));
+        assert_eq!(trees.error(mesh), None);
+        let warned = errors.take_warnings();
+        let told = |warned: &&String| warned.contains("6 of its 68 triangles are left out");
+        assert_eq!(warned.iter().filter(told).count(), 1, "{warned:?}");
+        assert_eq!(errors.take(), [""; 0]);
+    });
+}
+
+/// Nothing said that Bevy draws another shape than the file has.
+#[test]
+fn a_mesh_with_twelve_joints_per_vertex_warns_once_that_bevy_draws_four() {
+    Errors::collect(|errors| {
+        let file = field("c01_twelve_influences.glb");
+        let mut app = load(&file, MorphColliderScene::default());
+        show(&mut app, &file, MorphColliderScene::default());
+        (0..3).for_each(|_| app.update());
+        let warned = errors.take_warnings();
+        let is_about = |warned: &&String| warned.contains("more than four joints per vertex");
+        let about: Vec<&String> = warned.iter().filter(is_about).collect();
+        assert_eq!(about.len(), 1, "{warned:?}");
+        assert!(about[0].contains("`c01_twelve_influences.glb#Mesh0`"), "{warned:?}");
+        let blamed = warned.iter().any(|warned| warned.contains("do not sum to 1"));
+        assert!(!blamed, "those of the file do: {warned:?}");
+        let mut shown = app
+            .world_mut()
+            .query_filtered::<(&Mesh3d, &SkinnedMesh), With<MorphCollider>>();
+        let (mesh, skin) = shown.iter(app.world()).next().unwrap();
+        let trees = app.world().resource::<MorphTrees>();
+        assert!(trees.shown_with(mesh, None, Some(skin)).is_some());
+    });
 }

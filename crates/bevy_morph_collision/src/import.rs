@@ -4,6 +4,9 @@ mod complaints;
 mod decode;
 #[cfg(feature = "gltf")]
 mod gltf;
+#[cfg(feature = "gltf")]
+mod influence_sets;
+mod left_out;
 mod load_failures;
 mod mesh_data;
 mod mesh_tree;
@@ -15,9 +18,11 @@ mod trees;
 mod turns;
 mod users;
 
+pub(crate) use complaints::{FurtherInfluences, Said};
 pub(crate) use decode::uv_of;
 #[cfg(feature = "gltf")]
 pub(crate) use gltf::repair_split_meshes;
+pub use left_out::MorphLeftOut;
 pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures};
 pub use mesh_data::ImportError;
 pub use progress::MorphTreeProgress;

@@ -245,7 +245,9 @@ pub use events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEvents
 #[cfg(feature = "gizmos")]
 pub use gizmos::{MorphGizmos, MorphGizmosPlugin};
 pub use impact::{MorphFeatures, MorphImpact};
-pub use import::{DefaultMorphTreeSettings, ImportError, MorphTreeProgress, MorphTreeSettings, MorphTrees};
+pub use import::{
+    DefaultMorphTreeSettings, ImportError, MorphLeftOut, MorphTreeProgress, MorphTreeSettings, MorphTrees,
+};
 pub use layers::MorphCollisionLayers;
 pub use morph_collision;
 pub use morph_collision::{BuildOptions, Facing, InputError, QueryStats, TrianglePair};

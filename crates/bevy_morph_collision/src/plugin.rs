@@ -97,6 +97,8 @@ impl Plugin for TreesPlugin {
         app.init_resource::<DefaultMorphTreeSettings>()
             .init_resource::<MorphTrees>()
             .init_resource::<import::LoadFailures>()
+            .init_resource::<import::FurtherInfluences>()
+            .init_resource::<import::Said>()
             .register_type::<DefaultMorphTreeSettings>()
             .register_type::<MorphTreeSettings>()
             .register_type::<MorphTrees>()

@@ -46,6 +46,14 @@ pub struct MorphCollisionSettings {
     /// The default, 8192, is more than twice what two meshes of 20,480 triangles list while they pass through each other (3172 at
     /// most). It limits the cost of frames in which bodies touch everywhere, such as two bodies scaled to a point.
     pub max_triangle_pairs: usize,
+    /// Leaves out the bad triangles of a mesh instead of refusing the mesh. Off by default.
+    ///
+    /// Bad are triangles with a corner that is no vertex, or whose vertex has a position, a displacement or a joint weight that is not a
+    /// number or too large, or a weight of a joint that does not exist. The log says once for each mesh how many are left out and why, and
+    /// [`MorphTrees::left_out`](crate::MorphTrees::left_out) returns it. The other triangles are numbered without those that are left out.
+    ///
+    /// When you change this value, the meshes with bad triangles are read again.
+    pub skip_bad_triangles: bool,
 }
 
 impl Default for MorphCollisionSettings {
@@ -54,6 +62,7 @@ impl Default for MorphCollisionSettings {
             paused: false,
             every_deforming_mesh: None,
             max_triangle_pairs: 8192,
+            skip_bad_triangles: false,
         }
     }
 }

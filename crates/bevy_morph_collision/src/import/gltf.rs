@@ -18,11 +18,14 @@ use bevy::prelude::*;
 use bevy::tasks::{ConditionalSendFuture, block_on};
 use tracing::debug;
 
+use super::complaints::FurtherInfluences;
+use super::influence_sets::FurtherSets;
+
 /// Whether the handler has been added to the loader.
 #[derive(Resource)]
 struct Registered;
 
-/// Adds the handler to Bevy's glTF loader, once. Does nothing while there is no `GltfPlugin`.
+/// Adds the handler, and the one that finds [`FurtherSets`], to Bevy's glTF loader, once. Does nothing while there is no `GltfPlugin`.
 pub(crate) fn repair_split_meshes(app: &mut App) {
     let world = app.world_mut();
     if world.contains_resource::<Registered>() {
@@ -32,8 +35,11 @@ pub(crate) fn repair_split_meshes(app: &mut App) {
         return;
     };
     let handlers = handlers.0.clone();
+    let further = world.get_resource_or_init::<FurtherInfluences>().clone();
     block_on(async {
-        handlers.write().await.push(Box::new(SplitMeshes::default()));
+        let mut handlers = handlers.write().await;
+        handlers.push(Box::new(SplitMeshes::default()));
+        handlers.push(Box::new(FurtherSets(further.clone())));
     });
     world.insert_resource(Registered);
 }

@@ -1,13 +1,16 @@
 //! The data of a [`Mesh`] that a tree needs, with checks for mistakes that only Bevy's meshes can have.
 
+use std::sync::Arc;
+
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology};
 use bevy::prelude::*;
-use morph_collision::{InputError, ModelError, MorphModel, SparseTarget};
+use morph_collision::{BadParts, InputError, ModelError, MorphModel, SparseTarget};
 use thiserror::Error;
 
 use super::decode::Positions;
+use super::left_out::MorphLeftOut;
 use super::skin_data::SkinData;
 
 /// Why a mesh cannot collide.
@@ -78,6 +81,25 @@ pub enum ImportError {
     Settings(#[from] InputError),
 }
 
+impl ImportError {
+    /// Whether the rest of the mesh could be used without the bad triangles.
+    pub(super) fn is_about_a_triangle(&self) -> bool {
+        use ModelError::{BadCoordinate, BadInfluence, IndexOutOfRange, JointOutOfRange, WeightsTooLarge};
+        match self {
+            Self::IncompleteTriangle(_) => true,
+            Self::Model(error) => matches!(
+                error,
+                BadCoordinate { .. }
+                    | BadInfluence { .. }
+                    | IndexOutOfRange { .. }
+                    | JointOutOfRange { .. }
+                    | WeightsTooLarge { .. }
+            ),
+            _ => false,
+        }
+    }
+}
+
 impl From<MeshAccessError> for ImportError {
     fn from(error: MeshAccessError) -> Self {
         match error {
@@ -85,6 +107,15 @@ impl From<MeshAccessError> for ImportError {
             MeshAccessError::NotFound => Self::NoPositions,
         }
     }
+}
+
+/// A mesh that was read.
+#[derive(Clone)]
+pub(super) struct Imported {
+    pub(super) model: Arc<MorphModel>,
+    /// The vertices of each triangle, as numbered in the mesh.
+    pub(super) corners: Arc<[[u32; 3]]>,
+    pub(super) left_out: Option<MorphLeftOut>,
 }
 
 /// A copy of a mesh's shape, made piece by piece. Another thread does the rest of the work.
@@ -187,17 +218,21 @@ impl MeshData {
         is_complete
     }
 
-    /// Builds a model from the complete copy, in a background task. Returns it with the vertices of each triangle, as numbered in
-    /// the mesh.
-    pub(super) fn into_model(self) -> Result<(MorphModel, Vec<[u32; 3]>), ImportError> {
+    /// Builds a model from the complete copy, in a background task. With `skip_bad`, bad triangles are left out.
+    pub(super) fn into_model(mut self, skip_bad: bool) -> Result<Imported, ImportError> {
         self.check_targets()?;
         let vertices = self.positions.len();
         let is_list = !self.is_strip;
-        let indices = self.indices.unwrap_or_else(|| (0..vertices as u32).collect());
-        let corners = if is_list {
-            list_triangles(&indices)?
+        let indices = self.indices.take().unwrap_or_else(|| (0..vertices as u32).collect());
+        let (mut corners, incomplete) = if is_list {
+            list_triangles(&indices)
         } else {
-            strip_triangles(&indices, self.restart)
+            (strip_triangles(&indices, self.restart), None)
+        };
+        let left_out = match incomplete {
+            incomplete if skip_bad => self.leave_out_bad_triangles(&mut corners, incomplete)?,
+            Some(incomplete) => return Err(incomplete),
+            None => None,
         };
         let model = match &self.skin {
             Some(skin) => MorphModel::skinned(
@@ -209,7 +244,30 @@ impl MeshData {
             )?,
             None => MorphModel::from_displacements(&self.positions, &corners, &self.targets)?,
         };
-        Ok((model, corners))
+        Ok(Imported {
+            model: Arc::new(model),
+            corners: corners.into(),
+            left_out,
+        })
+    }
+
+    /// Removes bad triangles, and makes bad vertices equal to a good one.
+    fn leave_out_bad_triangles(
+        &mut self,
+        corners: &mut Vec<[u32; 3]>,
+        incomplete: Option<ImportError>,
+    ) -> Result<Option<MorphLeftOut>, ImportError> {
+        let influences = self.skin.as_ref().map(|skin| (skin.joint_count(), [skin.influences()]));
+        let skin = influences.as_ref().map(|(joints, sets)| (*joints, &sets[..]));
+        let bad = BadParts::find(&self.positions, corners, &self.targets, skin)?;
+        let left_out = MorphLeftOut::of(&bad, corners.len(), incomplete);
+        bad.mend(&mut self.positions);
+        self.targets.iter_mut().for_each(|target| bad.mend_target(target));
+        if let Some(skin) = &mut self.skin {
+            skin.mend(&bad);
+        }
+        bad.remove_from(corners);
+        Ok(left_out)
     }
 
     /// Checks that every target has one displacement per vertex.
@@ -259,12 +317,11 @@ pub(super) fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, conver
     now.len() == missing.len()
 }
 
-/// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`.
-fn list_triangles(indices: &[u32]) -> Result<Vec<[u32; 3]>, ImportError> {
-    let (triangles, []) = indices.as_chunks::<3>() else {
-        return Err(ImportError::IncompleteTriangle(indices.len()));
-    };
-    Ok(triangles.to_vec())
+/// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`. The error tells of an incomplete last triangle, which is left out.
+fn list_triangles(indices: &[u32]) -> (Vec<[u32; 3]>, Option<ImportError>) {
+    let (triangles, rest) = indices.as_chunks::<3>();
+    let incomplete = (!rest.is_empty()).then(|| ImportError::IncompleteTriangle(indices.len()));
+    (triangles.to_vec(), incomplete)
 }
 
 /// The triangles of one or more strips with consistent winding, numbered in the order of the strip.
@@ -299,8 +356,9 @@ mod tests {
 
     #[test]
     fn a_list_ends_with_a_whole_triangle() {
-        assert_eq!(list_triangles(&[5, 4, 3, 2, 1, 0]), Ok(vec![[5, 4, 3], [2, 1, 0]]));
-        assert_eq!(list_triangles(&[0; 5]), Err(ImportError::IncompleteTriangle(5)));
+        assert_eq!(list_triangles(&[5, 4, 3, 2, 1, 0]), (vec![[5, 4, 3], [2, 1, 0]], None));
+        let incomplete = (vec![[0; 3]], Some(ImportError::IncompleteTriangle(5)));
+        assert_eq!(list_triangles(&[0; 5]), incomplete);
     }
 
     #[test]
@@ -317,7 +375,10 @@ mod tests {
             })
             .collect();
         assert_eq!(pieces, [(false, 0), (false, 0), (true, 3)]);
-        let (model, corners) = data.into_model().unwrap();
-        assert_eq!((model.target_count(), corners), (2, vec![[0, 1, 2]]));
+        let imported = data.into_model(false).unwrap();
+        assert_eq!(
+            (imported.model.target_count(), &*imported.corners),
+            (2, &[[0, 1, 2]][..])
+        );
     }
 }

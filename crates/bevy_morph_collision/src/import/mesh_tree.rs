@@ -5,10 +5,11 @@ use std::sync::Arc;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
-use morph_collision::{BuildOptions, MorphBvh, MorphModel};
+use morph_collision::{BuildOptions, MorphBvh};
 
 use super::complaints::Complaints;
-use super::mesh_data::{ImportError, MeshData};
+use super::left_out::MorphLeftOut;
+use super::mesh_data::{ImportError, Imported, MeshData};
 use super::tree_key::TreeKey;
 use super::turns::Turns;
 
@@ -20,6 +21,8 @@ pub(super) type OnBuilt = Arc<dyn Fn(&Arc<MorphBvh>) + Send + Sync>;
 pub(super) struct Background {
     pub(super) turns: Turns,
     pub(super) on_built: Vec<OnBuilt>,
+    /// Whether meshes are read without their bad triangles.
+    pub(super) skip_bad: bool,
 }
 
 /// The tree of one mesh, and its state.
@@ -31,6 +34,8 @@ pub(super) struct MeshTree {
     pub(super) is_news: bool,
     /// The vertices of the tree's triangles, as numbered in the mesh.
     pub(super) corners: Arc<[[u32; 3]]>,
+    /// What the tree lacks because it is bad.
+    pub(super) left_out: Option<MorphLeftOut>,
     pub(super) work: Work,
     /// Whether the tree in progress is of the same mesh as the current one, but with other settings.
     is_same_mesh: bool,
@@ -52,11 +57,11 @@ pub(super) enum Work {
 pub(super) enum Source {
     Copy(MeshData),
     /// The mesh has already been read for another tree.
-    Model(Arc<MorphModel>, Arc<[[u32; 3]]>),
+    Read(Imported),
 }
 
-/// A new tree, and the corners of its triangles.
-pub(super) type Finished = (Arc<MorphBvh>, Arc<[[u32; 3]]>);
+/// A new tree, and the mesh that was read for it.
+pub(super) type Finished = (Arc<MorphBvh>, Imported);
 
 impl MeshTree {
     /// Whether a new tree is in progress.
@@ -71,6 +76,7 @@ impl MeshTree {
             is_lent: false,
             is_news: false,
             corners: Arc::default(),
+            left_out: None,
             work: Work::None,
             is_same_mesh: false,
             outdated: false,
@@ -128,28 +134,32 @@ impl MeshTree {
 
     /// Builds a tree in the background.
     pub(super) fn build(&mut self, key: &TreeKey, options: &BuildOptions, background: &Background, source: Source) {
-        self.is_same_mesh = matches!(source, Source::Model(..));
+        self.is_same_mesh = matches!(source, Source::Read(_));
         let options = key.settings.map_or(Ok(*options), |settings| settings.over(*options));
-        let Background { turns, on_built } = background.clone();
+        let Background {
+            turns,
+            on_built,
+            skip_bad,
+        } = background.clone();
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {
             let options = options?;
-            let (model, corners) = match source {
-                Source::Model(model, corners) => (model, corners),
+            let imported = match source {
+                Source::Read(imported) => imported,
                 Source::Copy(data) => {
                     let start = Instant::now();
-                    let (model, corners) = data.into_model()?;
+                    let imported = data.into_model(skip_bad)?;
                     turns.after_step(start.elapsed()).await;
-                    (Arc::new(model), corners.into())
+                    imported
                 }
             };
-            let tree = Arc::new(turns.build(model, &options).await);
+            let tree = Arc::new(turns.build(imported.model.clone(), &options).await);
             for work in on_built {
                 let start = Instant::now();
                 work(&tree);
                 turns.after_step(start.elapsed()).await;
             }
-            Ok((tree, corners))
+            Ok((tree, imported))
         }));
     }
 
@@ -161,9 +171,23 @@ impl MeshTree {
             && self.error.is_none()
             && let Some(tree) = self.tree.as_ref().filter(|tree| tree.options() != options)
         {
-            let source = Source::Model(tree.model().clone(), self.corners.clone());
+            let source = Source::Read(self.read(tree));
             self.build(key, options, background, source);
         }
+    }
+
+    /// The mesh that was read for one of its trees.
+    pub(super) fn read(&self, tree: &MorphBvh) -> Imported {
+        Imported {
+            model: tree.model().clone(),
+            corners: self.corners.clone(),
+            left_out: self.left_out.clone(),
+        }
+    }
+
+    /// Whether the mesh is refused because of bad triangles, or used without them.
+    pub(super) fn has_bad_triangles(&self) -> bool {
+        self.left_out.is_some() || self.error.as_ref().is_some_and(ImportError::is_about_a_triangle)
     }
 
     pub(super) fn fail(&mut self, id: AssetId<Mesh>, error: ImportError, complaints: &Complaints) {

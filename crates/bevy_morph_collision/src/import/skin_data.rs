@@ -2,7 +2,7 @@
 
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
-use morph_collision::Influences;
+use morph_collision::{BadParts, Influences};
 
 use super::decode::{snorm8, snorm16, unorm8, unorm16};
 use super::mesh_data::{ImportError, copy};
@@ -51,6 +51,12 @@ impl SkinData {
 
     pub(super) fn joint_count(&self) -> usize {
         self.joint_count
+    }
+
+    /// Gives bad vertices the influences of a good one.
+    pub(super) fn mend(&mut self, bad: &BadParts) {
+        bad.mend(&mut self.joints);
+        bad.mend(&mut self.weights);
     }
 
     pub(super) fn influences(&self) -> Influences<'_> {

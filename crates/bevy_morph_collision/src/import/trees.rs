@@ -10,10 +10,12 @@ use bevy::tasks::futures::check_ready;
 use morph_collision::MorphBvh;
 
 use super::complaints::Complaints;
+use super::left_out::MorphLeftOut;
 use super::mesh_data::ImportError;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
 use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
+use crate::settings::MorphCollisionSettings;
 
 /// The collision trees of all meshes that a collider has requested.
 ///
@@ -102,6 +104,15 @@ impl MorphTrees {
         entries.find_map(|(_, entry)| entry.error.as_ref())
     }
 
+    /// What the trees of a mesh lack because it is bad; `None` if they have all triangles.
+    ///
+    /// Bad triangles are only left out with [`MorphCollisionSettings::skip_bad_triangles`].
+    #[must_use]
+    pub fn left_out(&self, mesh: AssetId<Mesh>) -> Option<&MorphLeftOut> {
+        let mut entries = self.of_mesh.iter().filter(|(key, _)| key.mesh == mesh);
+        entries.find_map(|(_, entry)| entry.left_out.as_ref())
+    }
+
     /// The trees that are ready, in no particular order. A mesh may have several: with different settings, with and without
     /// joints.
     pub fn iter(&self) -> impl Iterator<Item = (AssetId<Mesh>, &Arc<MorphBvh>)> {
@@ -173,9 +184,21 @@ pub(crate) fn follow_asset_events(
     mut trees: ResMut<MorphTrees>,
     options: Res<DefaultMorphTreeSettings>,
     meshes: Res<Assets<Mesh>>,
+    settings: Option<Res<MorphCollisionSettings>>,
     time: Option<Res<Time<Real>>>,
     complaints: Complaints,
 ) {
+    let skip_bad = settings.is_some_and(|settings| settings.skip_bad_triangles);
+    if trees.background.skip_bad != skip_bad {
+        trees.background.skip_bad = skip_bad;
+        for (key, entry) in &mut trees.of_mesh {
+            match (&entry.work, meshes.get(key.mesh)) {
+                (Work::Building(_), _) => entry.outdated = true,
+                (_, Some(mesh)) if entry.has_bad_triangles() => entry.start(key, mesh, &complaints),
+                _ => {}
+            }
+        }
+    }
     let last_frame = time.map_or(Duration::ZERO, |time| time.delta());
     let pace = trees.background.turns.begin_frame(last_frame);
     trees.bypass_change_detection().left = (COPIED_PER_FRAME as f64 * pace) as usize;
@@ -209,6 +232,7 @@ pub(crate) fn follow_asset_events(
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
                 let before = trees.of_mesh.len();
                 trees.of_mesh.retain(|key, _| key.mesh != id);
+                complaints.forget(id);
                 trees.version += (before - trees.of_mesh.len()) as u64;
                 trees.waiting.retain(|(key, _)| key.mesh != id);
                 // Entities that still show it may get it back under the same name.
@@ -242,15 +266,16 @@ pub(crate) fn start_trees(
         let sibling = of_mesh.iter().find_map(|(of, entry)| {
             let is_same = of.mesh == key.mesh && of.joints == key.joints;
             let is_usable = is_same && entry.is_up_to_date();
-            Some((entry.tree.as_ref().filter(|_| is_usable)?, &entry.corners))
+            let tree = entry.tree.as_ref().filter(|_| is_usable)?;
+            Some((tree, entry.read(tree)))
         });
         let mut entry = MeshTree::new(asked_by);
-        if let Some((tree, corners)) = sibling {
+        if let Some((tree, imported)) = sibling {
             // Settings do not affect answers.
-            (entry.tree, entry.corners, entry.is_lent) = (Some(tree.clone()), corners.clone(), true);
+            (entry.tree, entry.is_lent) = (Some(tree.clone()), true);
+            (entry.corners, entry.left_out) = (imported.corners.clone(), imported.left_out.clone());
             *version += 1;
-            let source = Source::Model(tree.model().clone(), corners.clone());
-            entry.build(&key, &options.0, background, source);
+            entry.build(&key, &options.0, background, Source::Read(imported));
         } else {
             entry.start(&key, mesh, &complaints);
         }
@@ -287,10 +312,18 @@ pub(crate) fn finish_trees(
         entry.work = Work::None;
         *version += 1;
         match result {
-            Ok((tree, corners)) => {
+            Ok((tree, imported)) => {
                 (entry.tree, entry.is_lent) = (Some(tree), false);
-                entry.corners = corners;
-                entry.error = None;
+                (entry.corners, entry.left_out) = (imported.corners, imported.left_out);
+                if entry.error.take().is_some() {
+                    complaints.forget(key.mesh);
+                }
+                if let Some(left_out) = &entry.left_out {
+                    complaints.left_out(key.mesh, entry.asked_by, left_out);
+                }
+                if key.joints.is_some() {
+                    complaints.further_influences(key.mesh, entry.asked_by);
+                }
                 entry.is_news = true;
             }
             Err(error) => entry.fail(key.mesh, error, &complaints),

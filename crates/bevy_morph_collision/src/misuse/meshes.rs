@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::look::FRAME;
 use super::subject::Around;
 use super::suspects::{PATIENCE, Suspects};
-use crate::import::{MorphTrees, TreeKey};
+use crate::import::{FurtherInfluences, MorphTrees, TreeKey};
 
 pub(super) fn any_is_missing(trees: Res<MorphTrees>) -> bool {
     trees.waiting().next().is_some()
@@ -48,12 +48,16 @@ pub(super) fn trees_changed(trees: Res<MorphTrees>, mut seen: Local<u64>) -> boo
 }
 
 /// Warns of meshes whose joint weights do not sum to 1. Runs only when there are new trees.
-pub(super) fn warn_of_joint_weights(around: Around, mut suspects: ResMut<Suspects>) {
+pub(super) fn warn_of_joint_weights(around: Around, mut suspects: ResMut<Suspects>, further: Res<FurtherInfluences>) {
     for (key, asked_by, error) in around.trees.joint_weight_errors() {
         if error <= MAX_WEIGHT_ERROR {
             continue;
         }
         let file = around.names.asset(key.mesh);
+        // The weights in the file may sum to 1: Bevy drops some of them, and another warning says so.
+        if file.as_deref().is_some_and(|file| further.has(file)) {
+            continue;
+        }
         let about = file.clone().unwrap_or_else(|| around.about(asked_by));
         suspects.told().warn("joint weights", about, || {
             let name = around.names.entity(asked_by);

@@ -7,7 +7,7 @@ use morph_collision_testkit::models::rigs::tube;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
-use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, write_gltf};
+use crate::support::{RawMesh, TestResult, error_of, field, morph_collide, stdout_of, write_gltf};
 
 /// A file of two triangles in the plane z = 0 with a target that lifts them by 1. The first one is bound to a joint under a node
 /// at x = 10. The clip "rise" lifts the joint from 0 to 4 in a second, and raises the weight from 0 to 1.
@@ -110,6 +110,11 @@ fn inspect_says_that_engines_draw_four_joints_per_vertex() -> TestResult {
         let line = "engines that draw four joints per vertex, such as Bevy, show something else";
         assert_eq!(text.contains(line), is_said, "{text}");
     }
+    let twelve = field("c01_twelve_influences.glb");
+    let report = json_of(&["inspect"], &twelve)?;
+    assert_eq!(report["meshes"][0]["skin"]["most_influences"], 12, "{report}");
+    // A third of the weights was dropped.
+    assert_eq!(report["meshes"][0]["skin"]["vertices_not_summing_to_1"], 0, "{report}");
     Ok(())
 }
 

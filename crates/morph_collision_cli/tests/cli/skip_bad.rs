@@ -1,18 +1,14 @@
 //! `--skip-bad`: bad triangles are left out, and every output says how many.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::support::{TestResult, error_of, morph_collide};
+use crate::support::{TestResult, error_of, field, morph_collide};
 
 /// Of its 68 triangles, six have a vertex with a weight that is NaN.
 fn model() -> PathBuf {
-    let field = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../morph_collision_testkit/tests/gltf/data/field"
-    );
-    Path::new(field).join("c34_nan_weight_of_one_vertex.glb")
+    field("c34_nan_weight_of_one_vertex.glb")
 }
 
 const WHY: &str = "vertex 5, influence 0: the weight of joint 0 is NaN, not a number between 0 and 1000";

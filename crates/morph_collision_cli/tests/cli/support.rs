@@ -19,6 +19,15 @@ pub(crate) fn data(path: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data")).join(path)
 }
 
+/// A file of the reader's tests that shows one habit of exporters.
+pub(crate) fn field(name: &str) -> PathBuf {
+    let field = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../morph_collision_testkit/tests/gltf/data/field"
+    );
+    Path::new(field).join(name)
+}
+
 /// A command that runs the binary.
 pub(crate) fn command() -> Command {
     Command::new(env!("CARGO_BIN_EXE_morph-collide"))

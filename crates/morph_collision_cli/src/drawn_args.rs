@@ -13,7 +13,7 @@ use crate::output::{self, counted};
 pub(crate) struct DrawnArgs {
     /// Take what this scene of the file draws: its index, or its name.
     ///
-    /// By default, the scene that the file names is taken, or its first. Nodes that are hidden (KHR_node_visibility) are left out, and each
+    /// By default, the scene that the file names is taken, or its first. Nodes that are hidden (`KHR_node_visibility`) are left out, and each
     /// instance of a node (`EXT_mesh_gpu_instancing`) is a body. A file without scenes is taken as a whole.
     #[arg(long, value_name = "SCENE", conflicts_with = "all_meshes")]
     scene: Option<String>,

@@ -70,7 +70,6 @@ impl MorphMesh {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::models::rigs::tube;
 
     #[test]

@@ -5,6 +5,7 @@ use std::future::ready;
 use bevy::asset::LoadContext;
 use bevy::gltf::extensions::{ErasedGltfExtensionHandler, GltfExtensionHandler};
 use bevy::gltf::gltf::accessor::{DataType, Dimensions};
+use bevy::gltf::gltf::mesh::util::ReadWeights;
 use bevy::gltf::gltf::{Gltf, Mesh as GltfFileMesh, Primitive, Semantic};
 use bevy::mesh::MeshVertexAttribute;
 use bevy::platform::collections::HashMap;
@@ -53,6 +54,6 @@ fn has_further_weights(primitive: &Primitive, buffers: &[Vec<u8>]) -> bool {
         return false;
     }
     let reader = primitive.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
-    let weights = reader.read_weights(1).map(|weights| weights.into_f32());
+    let weights = reader.read_weights(1).map(ReadWeights::into_f32);
     weights.is_some_and(|mut weights| weights.any(|of_vertex| of_vertex != [0.0; 4]))
 }

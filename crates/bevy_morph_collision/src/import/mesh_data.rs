@@ -320,7 +320,7 @@ pub(super) fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, conver
 /// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`. The error tells of an incomplete last triangle, which is left out.
 fn list_triangles(indices: &[u32]) -> (Vec<[u32; 3]>, Option<ImportError>) {
     let (triangles, rest) = indices.as_chunks::<3>();
-    let incomplete = (!rest.is_empty()).then(|| ImportError::IncompleteTriangle(indices.len()));
+    let incomplete = (!rest.is_empty()).then_some(ImportError::IncompleteTriangle(indices.len()));
     (triangles.to_vec(), incomplete)
 }
 

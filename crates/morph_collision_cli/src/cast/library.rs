@@ -78,25 +78,23 @@ impl<'a> Library<'a> {
         if index >= count {
             return Err(wrong(format!("{} has no mesh {index}, only {count}", model.display())));
         }
-        let mut placement = None;
-        if let Some(node) = spec.node {
-            if !file.nodes_of(index).any(|shows| shows == node) {
-                let nodes: Vec<String> = file.nodes_of(index).map(|node| node.to_string()).collect();
-                let nodes = if nodes.is_empty() {
-                    "none".to_owned()
-                } else {
-                    nodes.join(", ")
-                };
-                let model = model.display();
-                return Err(wrong(format!(
-                    "node {node} of {model} does not show mesh {index}; these nodes do: {nodes}"
-                )));
-            }
+        if let Some(node) = spec.node
+            && !file.nodes_of(index).any(|shows| shows == node)
+        {
+            let nodes: Vec<String> = file.nodes_of(index).map(|node| node.to_string()).collect();
+            let nodes = if nodes.is_empty() {
+                "none".to_owned()
+            } else {
+                nodes.join(", ")
+            };
+            let model = model.display();
+            return Err(wrong(format!(
+                "node {node} of {model} does not show mesh {index}; these nodes do: {nodes}"
+            )));
         }
         let mesh = read_mesh(file, index, spec.node)?;
-        if let (Some(node), None) = (spec.node, &mesh.skin) {
-            placement = Some(file.placement(index, node)?);
-        }
+        let placing = spec.node.filter(|_| mesh.skin.is_none());
+        let placement = placing.map(|node| file.placement(index, node)).transpose()?;
         self.meshes.push(mesh);
         self.placements.push(placement);
         self.instances.push(None);

@@ -15,7 +15,9 @@ fn data(name: &str) -> PathBuf {
 }
 
 /// The bodies of `sweep`, its rows as bodies and pairs, and what it says on standard error.
-fn sweep(model: &str, options: &[&str]) -> Result<(Value, Vec<[u64; 3]>, String), Box<dyn std::error::Error>> {
+type Swept = (Value, Vec<[u64; 3]>, String);
+
+fn sweep(model: &str, options: &[&str]) -> Result<Swept, Box<dyn std::error::Error>> {
     let model = data(model);
     let args = [&["sweep", "--json", model.to_str().ok_or("not UTF-8")?], options].concat();
     let output = morph_collide(args)?;

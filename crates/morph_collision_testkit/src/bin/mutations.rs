@@ -1,7 +1,7 @@
 //! Feeds mutated files to the readers for a given time: `mutations SECONDS [SEED]`. `just mutations` runs it under `ulimit -v`,
 //! in a build that checks for overflow.
 //!
-//! Seeds are the fuzz corpus, the scenes in `assets/`, the compressed models of the tests, and generated models. Half of the models are
+//! Seeds are the fuzz corpus, the scenes in `assets/`, the models of the tests, and generated models. Half of the models are
 //! changed without regard to what the bytes mean: a number is replaced by an odd one, pieces are deleted, repeated or swapped, or a bit is
 //! flipped. The other half keep their structure ([`fuzzing::bend`]). Anything other than an error or a good answer ends the program: a
 //! panic, an abort because memory ran out, or a file that takes more than ten seconds. At the end it prints the longest time of a file and
@@ -45,9 +45,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut seeds = files(&root.join("fuzz/corpus").join(name))?;
         if name == "gltf" {
             let copies = seeds.len() / 8 + 1;
-            let compressed = files(&root.join("crates/morph_collision_testkit/tests/gltf/data"))?;
-            let compressed = compressed.into_iter().filter(|bytes| bytes.starts_with(b"glTF"));
-            seeds.extend(compressed.flat_map(|glb| std::iter::repeat_n(glb, copies / 4 + 1)));
+            let data = root.join("crates/morph_collision_testkit/tests/gltf/data");
+            let models = [files(&data)?, files(&data.join("field"))?].concat();
+            let models = models.into_iter().filter(|bytes| bytes.starts_with(b"glTF"));
+            seeds.extend(models.flat_map(|glb| std::iter::repeat_n(glb, copies / 4 + 1)));
             for mesh in [
                 models::random::random_blob(1, 0, 3, 0.5),
                 models::rigs::rigid_pieces(1, 2, 1),
@@ -105,10 +106,13 @@ fn mutated(seed: &[u8], is_gltf: bool, rng: &mut impl Rng) -> Vec<u8> {
     bytes
 }
 
+/// The files in a folder, but not in folders in it.
 fn files(folder: &Path) -> std::io::Result<Vec<Vec<u8>>> {
-    let mut paths: Vec<_> = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
-    paths.sort_by_key(std::fs::DirEntry::path);
-    paths.iter().map(|entry| std::fs::read(entry.path())).collect()
+    let entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    let mut paths: Vec<_> = entries.iter().map(std::fs::DirEntry::path).collect();
+    paths.retain(|path| path.is_file());
+    paths.sort();
+    paths.iter().map(std::fs::read).collect()
 }
 
 fn mutate(bytes: &mut Vec<u8>, rng: &mut impl Rng) {

@@ -1,11 +1,14 @@
 //! Changes glTF files in ways that keep their structure: the JSON stays JSON, and the container stays a container.
 //!
 //! Random bytes hardly ever get past the JSON parser. Here, values of the JSON are replaced, removed, copied and exchanged, and bytes of
-//! the binary chunk are changed, so that most files reach the code that follows indices and decodes data.
+//! the binary chunk are changed, so that most files reach the code that follows indices and decodes data. Now and then a part is added that
+//! the file does not have ([`graft`]).
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde_json::{Map, Value};
+
+use super::graft::graft;
 
 /// At most this many changes are made at once.
 const MOST_CHANGES: u32 = 6;
@@ -39,7 +42,7 @@ const NUMBERS: [f64; 22] = [
 ];
 
 /// Words that mean something in a glTF file.
-const WORDS: [&str; 30] = [
+const WORDS: [&str; 42] = [
     "SCALAR",
     "VEC3",
     "VEC4",
@@ -66,8 +69,20 @@ const WORDS: [&str; 30] = [
     "KHR_mesh_quantization",
     "VRMC_vrm",
     "POSITION",
-    "JOINTS_1",
-    "WEIGHTS_1",
+    "JOINTS_0",
+    "WEIGHTS_0",
+    "JOINTS_2",
+    "WEIGHTS_2",
+    "TRANSLATION",
+    "ROTATION",
+    "SCALE",
+    "EXT_mesh_gpu_instancing",
+    "KHR_node_visibility",
+    "KHR_animation_pointer",
+    "/nodes/0/weights",
+    "/meshes/0/weights",
+    "targetNames",
+    "extensions",
     "2.0",
     "data:;base64,AAAA",
 ];
@@ -82,8 +97,9 @@ pub fn bend(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
     let (json, mut chunk) = parts(bytes)?;
     let mut json: Value = serde_json::from_slice(json).ok()?;
     for _ in 0..rng.random_range(1..=MOST_CHANGES) {
-        match rng.random_range(0..8) {
+        match rng.random_range(0..10) {
             0 if !chunk.is_empty() => bend_bytes(&mut chunk, rng),
+            1 | 2 => graft(&mut json, rng),
             _ => bend_value(&mut json, rng),
         }
     }
@@ -92,7 +108,7 @@ pub fn bend(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
 }
 
 /// The JSON and the binary chunk.
-fn parts(bytes: &[u8]) -> Option<(&[u8], Vec<u8>)> {
+pub(super) fn parts(bytes: &[u8]) -> Option<(&[u8], Vec<u8>)> {
     if !bytes.starts_with(b"glTF") {
         return Some((bytes, Vec::new()));
     }
@@ -102,7 +118,7 @@ fn parts(bytes: &[u8]) -> Option<(&[u8], Vec<u8>)> {
     Some((bytes.get(20..end)?, chunk.unwrap_or_default().to_vec()))
 }
 
-fn pack(json: &Value, chunk: &[u8], is_glb: bool) -> Option<Vec<u8>> {
+pub(super) fn pack(json: &Value, chunk: &[u8], is_glb: bool) -> Option<Vec<u8>> {
     let mut json = serde_json::to_vec(json).ok()?;
     if !is_glb {
         return Some(json);

@@ -2,12 +2,17 @@
 
 use std::path::Path;
 
-use crate::gltf_read::{GltfFile, ReadOptions};
+use crate::gltf_read::{ExpressionBind, Extent, GltfFile, ReadOptions};
 use crate::inspect::FileReport;
 use crate::scenes::Scene;
+use crate::skeleton::Skeleton;
+use crate::skin::InfluenceSet;
 
 /// A model's memory limit, kept small so that fuzzing tries many files.
 const MEMORY_LIMIT: u64 = 32 << 20;
+/// At most this many scenes of a file are posed, and nodes of a scene, because each reads what it needs anew.
+const MOST_SCENES: usize = 4;
+const MOST_NODES: usize = 24;
 
 /// Parses a JSON scene. The result must be an error with a message, or a scene that survives writing and reading again.
 ///
@@ -32,14 +37,17 @@ pub fn scene(data: &[u8]) {
     assert_eq!(Scene::parse(&json, path).ok().as_ref(), Some(&scene));
 }
 
-/// Reads a `.glb` or `.gltf` file without external buffers. The result must be an error with a message, or meshes and clips.
-/// Those are reported, and trees are built for meshes that can collide.
+/// Reads a `.glb` or `.gltf` file without external buffers, strictly or without its bad parts, which depends on its bytes. The result must be
+/// an error with a message, or meshes and clips. Those are reported, trees are built for meshes that can collide, and everything that the
+/// file draws is posed.
 ///
 /// # Panics
 /// Only if the reader or the core library does, which is a bug.
 pub fn gltf(data: &[u8]) {
     let options = ReadOptions {
         memory_limit: MEMORY_LIMIT,
+        // Any bytes decide, so a mutation may change it.
+        skip_bad: data.iter().fold(0, |sum, byte| sum ^ byte) & 1 == 1,
         ..ReadOptions::default()
     };
     let file = match GltfFile::parse(data, Path::new("fuzz/model.glb"), &options) {
@@ -52,27 +60,71 @@ pub fn gltf(data: &[u8]) {
     let report = FileReport::read(&file);
     assert!(!report.to_string().is_empty());
     let _json = serde_json::to_string(&report).expect("a report can be written");
-    for mesh in &report.meshes {
-        let Some(usable) = &mesh.usable else { continue };
-        file.budget().lend(|| {
-            for clip in file.clips(mesh.index, None, usable.targets.len()).clips {
-                let _weights = clip.sample(0.7 * clip.duration());
+    for expression in file.expressions() {
+        let is_whole = |bind: &ExpressionBind| bind.mesh < file.mesh_count() && bind.weight.is_finite();
+        assert!(expression.binds.iter().all(is_whole), "{expression:?}");
+    }
+    let scenes = (0..file.scene_names().len().min(MOST_SCENES)).map(Extent::Scene);
+    for extent in scenes.chain([Extent::DefaultScene, Extent::Everything]) {
+        file.budget().lend(|| pose_drawing(&file, extent));
+    }
+}
+
+/// Poses what a file draws, at rest and in its clips.
+fn pose_drawing(file: &GltfFile, extent: Extent) {
+    let drawing = match file.drawing(extent) {
+        Ok(drawing) => drawing,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    assert!(drawing.broken.iter().all(|error| !error.to_string().is_empty()));
+    let mut shown: Vec<(usize, Option<usize>)> = drawing.drawn.iter().map(|drawn| (drawn.mesh, drawn.node)).collect();
+    shown.dedup();
+    for (mesh, node) in shown.into_iter().take(MOST_NODES) {
+        file.budget().lend(|| pose(file, mesh, node));
+    }
+}
+
+/// Poses a mesh as a node shows it.
+fn pose(file: &GltfFile, mesh: usize, node: Option<usize>) {
+    let Ok(found) = file.mesh(mesh) else { return };
+    let targets = found.mesh.targets.len();
+    let _weights = file.default_weights(mesh, node, targets);
+    for clip in file.clips(mesh, node, targets).clips {
+        for share in [-0.1, 0.7, 1.0, 1.2] {
+            let weights = clip.sample(share * clip.duration());
+            assert!(weights.is_empty() || weights.len() == targets);
+        }
+    }
+    if let Ok(Some(skin)) = file.skin(mesh, node) {
+        let vertices = found.mesh.positions.len();
+        let is_whole = |set: &InfluenceSet| set.joints.len() == vertices && set.weights.len() == vertices;
+        assert!(skin.sets.iter().all(is_whole));
+        move_joints(&skin.skeleton);
+        for animation in 0..file.animation_names().len() {
+            let borrowed = file.borrowed_clip(animation);
+            let clip = borrowed.map(|clip| clip.for_skeleton("other", &skin.skeleton, file.budget()));
+            if let Ok(Ok(Some(matched))) = clip {
+                let joints = skin
+                    .skeleton
+                    .world_from_mesh(Some(&matched.clip), 0.7 * matched.clip.duration());
+                assert_eq!(joints.len(), skin.skeleton.joints.len());
             }
-            if let Ok(Some(skin)) = file.skin(mesh.index, None) {
-                let _rest = skin.skeleton.at_rest();
-                for clip in &skin.skeleton.clips {
-                    let _joints = skin.skeleton.world_from_mesh(Some(clip), 0.7 * clip.duration());
-                }
-                for animation in 0..report.animations.len() {
-                    let borrowed = file.borrowed_clip(animation);
-                    let clip = borrowed.map(|clip| clip.for_skeleton("other", &skin.skeleton, file.budget()));
-                    if let Ok(Ok(Some(matched))) = clip {
-                        let _joints = skin
-                            .skeleton
-                            .world_from_mesh(Some(&matched.clip), 0.7 * matched.clip.duration());
-                    }
-                }
-            }
-        });
+        }
+    }
+    let Some(node) = node else { return };
+    if let Ok(placement) = file.placement(mesh, node) {
+        assert_eq!(placement.joints.len(), 1);
+        move_joints(&placement);
+    }
+    let _instances = file.instances(node);
+}
+
+fn move_joints(skeleton: &Skeleton) {
+    let _rest = skeleton.at_rest();
+    for clip in &skeleton.clips {
+        for share in [-0.1, 0.7, 1.0, 1.2] {
+            let joints = skeleton.world_from_mesh(Some(clip), share * clip.duration());
+            assert_eq!(joints.len(), skeleton.joints.len());
+        }
     }
 }

@@ -7,13 +7,14 @@
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
 //! | [`layout()`] | a serialised tree | an error, or a tree with correct answers |
 //! | [`scene()`] | a JSON scene | an error, or a scene that survives writing and reading |
-//! | [`gltf()`] | a glTF file | an error, or meshes |
+//! | [`gltf()`] | a glTF file | an error, or meshes that can be posed |
 //!
 //! A function panics if its condition does not hold. Any bytes are a valid case; missing bytes count as zeros.
 
 mod bend;
 mod draw;
 mod files;
+mod graft;
 mod layout;
 mod one_body;
 mod pairs;

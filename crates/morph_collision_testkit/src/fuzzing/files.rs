@@ -2,17 +2,21 @@
 
 use std::path::Path;
 
-use crate::gltf_read::{ExpressionBind, Extent, GltfFile, ReadOptions};
+use crate::clip::WeightAnimation;
+use crate::gltf_read::{BorrowedClip, ExpressionBind, Extent, GltfFile, Matched, ReadOptions};
 use crate::inspect::FileReport;
+use crate::memory::OverBudget;
 use crate::scenes::Scene;
-use crate::skeleton::Skeleton;
+use crate::skeleton::{JointClip, Skeleton};
 use crate::skin::InfluenceSet;
 
 /// A model's memory limit, kept small so that fuzzing tries many files.
 const MEMORY_LIMIT: u64 = 32 << 20;
-/// At most this many scenes of a file are posed, and nodes of a scene, because each reads what it needs anew.
+/// At most this many scenes of a file are posed, nodes of a scene, and clips as those of another file, because each reads what it
+/// needs anew.
 const MOST_SCENES: usize = 4;
 const MOST_NODES: usize = 24;
+const MOST_CLIPS: usize = 8;
 
 /// Parses a JSON scene. The result must be an error with a message, or a scene that survives writing and reading again.
 ///
@@ -90,39 +94,66 @@ fn pose(file: &GltfFile, mesh: usize, node: Option<usize>) {
     let targets = found.mesh.targets.len();
     let _weights = file.default_weights(mesh, node, targets);
     for clip in file.clips(mesh, node, targets).clips {
-        for share in [-0.1, 0.7, 1.0, 1.2] {
-            let weights = clip.sample(share * clip.duration());
-            assert!(weights.is_empty() || weights.len() == targets);
-        }
+        blend(&clip, targets);
     }
     if let Ok(Some(skin)) = file.skin(mesh, node) {
         let vertices = found.mesh.positions.len();
         let is_whole = |set: &InfluenceSet| set.joints.len() == vertices && set.weights.len() == vertices;
         assert!(skin.sets.iter().all(is_whole));
-        move_joints(&skin.skeleton);
-        for animation in 0..file.animation_names().len() {
-            let borrowed = file.borrowed_clip(animation);
-            let clip = borrowed.map(|clip| clip.for_skeleton("other", &skin.skeleton, file.budget()));
-            if let Ok(Ok(Some(matched))) = clip {
-                let joints = skin
-                    .skeleton
-                    .world_from_mesh(Some(&matched.clip), 0.7 * matched.clip.duration());
-                assert_eq!(joints.len(), skin.skeleton.joints.len());
-            }
-        }
+        play(&skin.skeleton, &skin.skeleton.clips);
+        lend_clips(
+            file,
+            |clip| clip.for_skeleton("other", &skin.skeleton, file.budget()),
+            |clip| {
+                play(&skin.skeleton, std::slice::from_ref(clip));
+            },
+        );
     }
     let Some(node) = node else { return };
     if let Ok(placement) = file.placement(mesh, node) {
         assert_eq!(placement.joints.len(), 1);
-        move_joints(&placement);
+        play(&placement, &placement.clips);
     }
+    let name = file.node_name(node);
+    lend_clips(
+        file,
+        |clip| clip.for_weights("other", &name, &found.mesh, file.budget()),
+        |clip| {
+            blend(clip, targets);
+        },
+    );
     let _instances = file.instances(node);
 }
 
-fn move_joints(skeleton: &Skeleton) {
+/// Uses the file's animations like those of another file.
+fn lend_clips<T>(
+    file: &GltfFile,
+    fit: impl Fn(&BorrowedClip) -> Result<Option<Matched<T>>, OverBudget>,
+    play: impl Fn(&T),
+) {
+    for animation in 0..file.animation_names().len().min(MOST_CLIPS) {
+        if let Ok(clip) = file.borrowed_clip(animation)
+            && let Ok(Some(matched)) = fit(&clip)
+        {
+            play(&matched.clip);
+        }
+    }
+}
+
+/// Shares of a clip's length, also before its start and after its end.
+const SHARES: [f32; 4] = [-0.1, 0.7, 1.0, 1.2];
+
+fn blend(clip: &WeightAnimation, targets: usize) {
+    for share in SHARES {
+        let weights = clip.sample(share * clip.duration());
+        assert!(weights.is_empty() || weights.len() == targets);
+    }
+}
+
+fn play(skeleton: &Skeleton, clips: &[JointClip]) {
     let _rest = skeleton.at_rest();
-    for clip in &skeleton.clips {
-        for share in [-0.1, 0.7, 1.0, 1.2] {
+    for clip in clips {
+        for share in SHARES {
             let joints = skeleton.world_from_mesh(Some(clip), share * clip.duration());
             assert_eq!(joints.len(), skeleton.joints.len());
         }

@@ -7,7 +7,7 @@
 //!
 //! - [`mesh`], [`clip`]: a triangle mesh with morph targets and weight animations, as stored in a file.
 //! - [`skin`], [`skeleton`]: the joints that move a mesh, and their clips.
-//! - [`joined`], [`unweighted`]: two meshes as one, and meshes without the vertices that no joint moves.
+//! - [`joined`], [`together`], [`unweighted`]: several meshes as one, and meshes without the vertices that no joint moves.
 //! - [`models`]: generated meshes: a dolphin, the body of the pass-through scene, random, degenerate and rigid meshes.
 //! - [`gltf_read`], [`gltf_write`]: read such meshes from glTF 2.0 files and write them.
 //! - [`weight_list`], [`nearest`]: weights as a person types them, and suggestions for misspelt names.
@@ -75,6 +75,7 @@ pub mod skeleton;
 pub mod skin;
 pub mod stress;
 pub mod tightness;
+pub mod together;
 pub mod unweighted;
 pub mod verify;
 pub mod weight_list;

@@ -51,6 +51,7 @@ mod mesh;
 mod meshopt;
 mod nodes;
 mod primitive;
+mod roots;
 mod scenes;
 mod skin;
 mod skipped;

@@ -141,7 +141,7 @@ impl GltfFile {
     }
 
     /// The parent of every node; the first one if a file names several.
-    fn parents(&self) -> Result<&[Option<usize>], SkinProblem> {
+    pub(super) fn parents(&self) -> Result<&[Option<usize>], SkinProblem> {
         if let Some(known) = self.parents.get() {
             return Ok(known);
         }

@@ -88,6 +88,13 @@ pub(crate) fn read_clips(
 }
 
 impl BrokenClips {
+    /// Adds those of another mesh.
+    pub(crate) fn add(&mut self, other: Self) {
+        for (animation, reason) in other.0 {
+            self.0.entry(animation).or_insert(reason);
+        }
+    }
+
     /// Whether an animation is one of them.
     pub(crate) fn has(&self, animation: usize) -> bool {
         self.0.contains_key(&animation)

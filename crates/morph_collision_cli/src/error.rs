@@ -12,6 +12,7 @@ use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use morph_collision_testkit::scenes::SceneError;
+use morph_collision_testkit::together::TogetherError;
 use thiserror::Error;
 
 /// Why a command failed. Names the file and, if there is one, the mesh, frame, body and index.
@@ -56,6 +57,17 @@ pub(crate) enum CliError {
         mesh: usize,
         name: String,
         reason: MeshError,
+    },
+    /// The meshes of a character cannot be searched as one.
+    #[error(
+        "{}: mesh {mesh} \"{}\" and the other meshes of its skeleton or node tree: {reason}; --mesh takes one mesh{}",
+        file.display(), Printable(name), Remedy::hint(over_limit(matches!(reason, TogetherError::OverBudget(_))))
+    )]
+    Together {
+        file: PathBuf,
+        mesh: usize,
+        name: String,
+        reason: TogetherError,
     },
     #[error(transparent)]
     SetUp(SetUpError),

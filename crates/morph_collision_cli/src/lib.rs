@@ -29,6 +29,7 @@ mod depth;
 mod drawn_args;
 mod error;
 mod export;
+mod expression;
 mod frame_times;
 mod guides;
 mod help;

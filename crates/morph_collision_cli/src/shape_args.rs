@@ -8,6 +8,7 @@ use std::sync::Arc;
 use clap::Args;
 use glam::Affine3A;
 use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
+use morph_collision_testkit::gltf_read::GltfFile;
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
@@ -15,6 +16,7 @@ use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 use crate::clip_files::ClipFiles;
 use crate::clips::{ClipChoice, read_clips};
 use crate::error::CliError;
+use crate::expression::ExpressionArg;
 use crate::frame_times::time_in_clip;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory};
 use crate::progress;
@@ -31,6 +33,9 @@ pub(crate) struct ShapeArgs {
     /// NAME=W or NAME,W, or it is JSON: {"NAME": W} or [W, W]. An index can stand for a name. `inspect` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(crate) weights: Option<WeightArg>,
+    /// Add the weights of a VRM expression: NAME, or NAME=STRENGTH. Can be repeated. --weights are set afterwards.
+    #[arg(long, value_name = "NAME=S", allow_hyphen_values = true)]
+    pub(crate) expression: Vec<ExpressionArg>,
     /// Name of an animation in the file, or its index. It moves the joints and sets the weights.
     ///
     /// FILE#NAME is an animation of another file, such as a library without meshes: a .glb or .gltf file and the name or index of one of its
@@ -147,7 +152,7 @@ impl ShapeArgs {
             })?;
         }
         let seconds = time_in_clip(self.time, clips.duration(&mesh, None), self.is_loop);
-        let weights = self.weights_of(&mesh, clips, seconds)?;
+        let weights = self.weights_of(&file, index, &mesh, clips, seconds)?;
         progress::doing(format!("building the tree of {} triangles", mesh.triangles.len()));
         let tree = build(&mesh).map_err(|reason| CliError::Mesh {
             file: model.to_owned(),
@@ -158,7 +163,11 @@ impl ShapeArgs {
         progress::doing("asking");
         let mut pose = Pose::new(Arc::new(tree));
         pose.set_weights(&weights).map_err(|error| CliError::Flag {
-            flag: if self.weights.is_some() { "--weights" } else { "--clip" },
+            flag: match (&self.weights, self.expression.is_empty()) {
+                (Some(_), _) => "--weights",
+                (None, false) => "--expression",
+                (None, true) => "--clip",
+            },
             reason: error.to_string(),
         })?;
         if let Some(joints) = joints(&mesh, clips, seconds) {
@@ -174,11 +183,21 @@ impl ShapeArgs {
         Ok(ShapedMesh { index, mesh, pose })
     }
 
-    fn weights_of(&self, mesh: &MorphMesh, clips: ClipChoice, seconds: f32) -> Result<Vec<f32>, CliError> {
-        let others = match clips.weights {
+    fn weights_of(
+        &self,
+        file: &GltfFile,
+        index: usize,
+        mesh: &MorphMesh,
+        clips: ClipChoice,
+        seconds: f32,
+    ) -> Result<Vec<f32>, CliError> {
+        let mut others = match clips.weights {
             Some(clip) => mesh.animations[clip].sample(seconds),
             None => mesh.weights_at_rest(),
         };
+        for expression in &self.expression {
+            expression.add(file, index, &mut others)?;
+        }
         let Some(WeightArg(list)) = &self.weights else {
             return Ok(others);
         };

@@ -112,12 +112,10 @@ impl Capture {
         self.weights.len() / self.targets.len()
     }
 
-    /// Sets the weights of one row.
-    pub(super) fn set(&self, row: usize, weights: &mut [f32]) {
+    /// The targets and weights of one row.
+    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = (usize, f32)> {
         let start = row * self.targets.len();
-        for (&target, &weight) in self.targets.iter().zip(&self.weights[start..]) {
-            weights[target] = weight;
-        }
+        self.targets.iter().copied().zip(self.weights[start..].iter().copied())
     }
 }
 
@@ -143,11 +141,9 @@ mod tests {
     fn columns_are_found_by_name_and_others_are_ignored() -> Result<(), String> {
         let capture = parse("\u{feff}Timecode,MouthClose,jawOpen\n# take 3\n00:01,0.25,1\n\n00:02,0,-0.5\n")?;
         assert_eq!((capture.len(), &capture.ignored[..]), (2, &["Timecode".to_owned()][..]));
-        let mut weights = vec![0.0; 2];
-        capture.set(0, &mut weights);
-        assert_eq!(weights, [1.0, 0.25]);
-        capture.set(1, &mut weights);
-        assert_eq!(weights, [-0.5, 0.0]);
+        let row = |row| capture.row(row).collect::<Vec<_>>();
+        assert_eq!(row(0), [(1, 0.25), (0, 1.0)]);
+        assert_eq!(row(1), [(1, 0.0), (0, -0.5)]);
         Ok(())
     }
 

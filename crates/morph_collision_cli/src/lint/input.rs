@@ -7,50 +7,21 @@ use morph_collision_testkit::joined::JoinError;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::rivals::PoseError;
+use morph_collision_testkit::skeleton::Skeleton;
 
 use super::LintArgs;
+use super::character::characters;
 use super::members::Member;
 use super::poses::Tried;
+use super::subject::Subject;
 use crate::clip_files::ClipFiles;
-use crate::clips::{BrokenClips, read_clips};
+use crate::clips::{NoClip, read_clips};
 use crate::error::CliError;
 use crate::model_file::{count_memory, leave_out_unweighted, read_mesh};
 use crate::output;
 
-/// A mesh to try.
-#[derive(Debug)]
-pub(super) struct Subject {
-    /// Its index in the file.
-    pub(super) index: usize,
-    /// With the garment behind it, if there is one.
-    pub(super) mesh: MorphMesh,
-    /// The names of its primitives' materials.
-    pub(super) materials: Vec<Option<String>>,
-    /// The number of its own targets.
-    pub(super) own_targets: usize,
-    /// The first triangle of the garment.
-    pub(super) garment_from: Option<u32>,
-    /// The clips that cannot be played.
-    pub(super) broken: BrokenClips,
-    /// The file's meshes in it, one after the other.
-    pub(super) members: Vec<Member>,
-    /// The number of triangles that are left out because no joint moves one of their vertices.
-    pub(super) left_out: usize,
-}
-
 /// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
 pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>, CliError> {
-    let indices = match &args.mesh {
-        Some(choice) => {
-            let found = choice.find(file);
-            vec![found.map_err(|reason| CliError::Flag { flag: "--mesh", reason })?]
-        }
-        None => {
-            let mut drawn: Vec<usize> = args.drawn.drawn(file)?.iter().map(|drawn| drawn.mesh).collect();
-            drawn.dedup();
-            drawn
-        }
-    };
     let garment = args.garment.as_ref();
     let garment = garment.map(|path| Garment::read(args, path, file)).transpose()?;
     let mut clip_files = ClipFiles::new(&args.files, file.budget(), Path::new(""));
@@ -59,6 +30,21 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
         opened.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
     }
     let mut subjects = Vec::new();
+    let indices = match &args.mesh {
+        Some(choice) => {
+            let found = choice.find(file);
+            vec![found.map_err(|reason| CliError::Flag { flag: "--mesh", reason })?]
+        }
+        None if garment.is_none() => {
+            subjects = characters(args, &mut clip_files, file)?;
+            Vec::new()
+        }
+        None => {
+            let mut drawn: Vec<usize> = args.drawn.drawn(file)?.iter().map(|drawn| drawn.mesh).collect();
+            drawn.dedup();
+            drawn
+        }
+    };
     for index in indices {
         let is_garment = garment
             .as_ref()
@@ -66,7 +52,7 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
         if is_garment && args.mesh.is_none() {
             continue;
         }
-        match subject(&mut clip_files, &args.clip, file, index, garment.as_ref()) {
+        match subject(args, &mut clip_files, file, index, None, garment.as_ref()) {
             Ok(subject) => subjects.push(subject),
             Err(error) if args.mesh.is_some() => return Err(error),
             Err(error) => output::complain(format_args!("warning: left out: {error}")),
@@ -83,47 +69,62 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
             reason: reason.to_owned(),
         });
     }
+    check_clips(args, &clip_files, file, &subjects)?;
     Ok(subjects)
 }
 
-fn subject(
-    clip_files: &mut ClipFiles<'_>,
-    clips: &[String],
+/// An error if no subject has one of the clips that are asked for, or if it cannot be played.
+fn check_clips(
+    args: &LintArgs,
+    clip_files: &ClipFiles<'_>,
     file: &GltfFile,
-    index: usize,
-    garment: Option<&Garment>,
-) -> Result<Subject, CliError> {
-    let mut mesh = read_mesh(file, index, None)?;
-    let broken = read_clips(clip_files.options(), file, index, None, &mut mesh, None);
-    for clip in clips {
-        let wrong = |reason| CliError::Flag { flag: "--clip", reason };
-        let lent = clip_files.lend(clip, file, (index, None), &mut mesh, None);
-        lent.map_err(wrong)?;
-        if clip_files.has(clip) {
-            let found = clip_files.find(clip, file, &mesh, None, &broken);
-            found.map_err(|error| wrong(error.reason()))?;
+    subjects: &[Subject],
+) -> Result<(), CliError> {
+    for clip in &args.clip {
+        let found = subjects
+            .iter()
+            .map(|subject| clip_files.find(clip, file, &subject.mesh, None, &subject.broken));
+        let (found, missing): (Vec<_>, Vec<_>) = found.partition(Result::is_ok);
+        let mut missing = missing.into_iter().filter_map(Result::err);
+        let wrong = match found.is_empty() {
+            true => missing.next(),
+            false => missing.find(NoClip::is_broken),
+        };
+        if let Some(wrong) = wrong {
+            let reason = wrong.reason();
+            return Err(CliError::Flag { flag: "--clip", reason });
         }
     }
-    let (member, left_out) = member(file, index, &mut mesh)?;
+    Ok(())
+}
+
+/// One mesh as a node shows it, or else its main node; with its garment.
+pub(super) fn subject(
+    args: &LintArgs,
+    clip_files: &mut ClipFiles<'_>,
+    file: &GltfFile,
+    index: usize,
+    node: Option<usize>,
+    garment: Option<&Garment>,
+) -> Result<Subject, CliError> {
+    let mut mesh = read_mesh(file, index, node)?;
+    let broken = read_clips(&args.files, file, index, node, &mut mesh, None);
+    lend_clips(args, clip_files, file, (index, node), &mut mesh, None)?;
+    let (member, left_out) = member(file, index, node, &mut mesh)?;
     let mut subject = Subject {
-        index,
-        members: vec![member],
         left_out,
-        own_targets: mesh.targets.len(),
-        materials: file.material_names(index),
-        garment_from: None,
         broken,
-        mesh,
+        materials: file.material_names(index),
+        ..Subject::of_one(index, mesh, member)
     };
     if let Some(garment) = garment {
         let bytes = joined_bytes(&subject.mesh, &garment.mesh);
         count_memory(file, index, bytes, || "it and the garment as one".to_owned())?;
         let first = subject.mesh.triangles.len() as u32;
         subject.garment_from = Some(first);
-        subject.members.push(Member {
-            first,
-            ..garment.member.clone()
-        });
+        let mut member = garment.member.clone();
+        member.first = first;
+        subject.members.push(member);
         subject.left_out += garment.left_out;
         let joined = subject.mesh.joined(&garment.mesh);
         let told = |reason: JoinError| CliError::Flag {
@@ -135,17 +136,44 @@ fn subject(
         let own = subject.mesh.primitives.len() - garment.mesh.primitives.len();
         subject.materials.resize(own, None);
         subject.materials.extend(garment.materials.iter().cloned().map(Some));
+        subject.leaders = (0..subject.mesh.targets.len()).collect();
+        subject.clip_targets = vec![subject.leaders.clone(); subject.mesh.animations.len()];
     }
+    subject.add_expressions(file);
     Ok(subject)
 }
 
+/// Adds the clips of other files that are asked for to a mesh and, if it has no joints, to the node that shows it.
+pub(super) fn lend_clips(
+    args: &LintArgs,
+    clip_files: &mut ClipFiles<'_>,
+    file: &GltfFile,
+    place: (usize, Option<usize>),
+    mesh: &mut MorphMesh,
+    mut placement: Option<&mut Skeleton>,
+) -> Result<(), CliError> {
+    for clip in &args.clip {
+        let lent = clip_files.lend(clip, file, place, mesh, placement.as_deref_mut());
+        lent.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+    }
+    Ok(())
+}
+
 /// A mesh as the first of a subject, and how many of its triangles are left out.
-fn member(file: &GltfFile, index: usize, mesh: &mut MorphMesh) -> Result<(Member, usize), CliError> {
+pub(super) fn member(
+    file: &GltfFile,
+    index: usize,
+    node: Option<usize>,
+    mesh: &mut MorphMesh,
+) -> Result<(Member, usize), CliError> {
     let unweighted = leave_out_unweighted(file, index, mesh)?;
     let left_out = unweighted.as_ref().map_or(0, |unweighted| unweighted.triangles);
     let member = Member {
         mesh: index,
         name: mesh.name.clone(),
+        node: node.or_else(|| file.main_node(index)),
+        targets: (0..mesh.targets.len()).collect(),
+        target_names: mesh.target_names.clone(),
         first: 0,
         kept: unweighted.map(|unweighted| unweighted.kept),
     };
@@ -168,7 +196,7 @@ fn joined_bytes(mesh: &MorphMesh, garment: &MorphMesh) -> u64 {
 }
 
 /// The mesh of `--garment`.
-struct Garment {
+pub(super) struct Garment {
     index: usize,
     mesh: MorphMesh,
     /// The name of the mesh and of the material of each primitive.
@@ -189,7 +217,7 @@ impl Garment {
             reason,
         })?;
         let mut mesh = read_mesh(&file, index, None)?;
-        let (member, left_out) = member(&file, index, &mut mesh)?;
+        let (member, left_out) = member(&file, index, None, &mut mesh)?;
         let materials = file.material_names(index);
         let material = |primitive: usize| match materials.get(primitive) {
             Some(Some(material)) => format!("{} {material}", mesh.name),

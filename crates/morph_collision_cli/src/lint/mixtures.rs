@@ -1,11 +1,11 @@
 //! Random mixtures of targets: sums that a face can have.
 
-use morph_collision_testkit::mesh::MorphMesh;
 use rand::seq::IteratorRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::poses::Stage;
+use super::subject::Subject;
 
 /// A mixture of a few targets has from two to this many.
 const MOST_ACTIVE: usize = 5;
@@ -36,7 +36,7 @@ impl<'a> Mixtures<'a> {
     }
 
     /// Draws the weights of a mixture. Targets that are not drawn keep the weights at rest, or those of the frame.
-    pub(super) fn draw(&self, mesh: &MorphMesh, index: usize) -> Vec<f32> {
+    pub(super) fn draw(&self, subject: &Subject, index: usize) -> Vec<f32> {
         let mut rng = Pcg64Mcg::seed_from_u64(self.seed);
         rng.advance(index as u128 * NUMBERS);
         let frames: usize = self.near.iter().map(|stage| stage.len()).sum();
@@ -44,18 +44,18 @@ impl<'a> Mixtures<'a> {
             let mut frame = rng.random_range(0..frames);
             for stage in &self.near {
                 if frame < stage.len() {
-                    return near(&mut rng, stage.weights(mesh, frame));
+                    return near(&mut rng, stage.weights(subject, frame));
                 }
                 frame -= stage.len();
             }
         }
-        let mut weights = mesh.weights_at_rest();
+        let mut weights = subject.mesh.weights_at_rest();
         let mut active = [0; MOST_ACTIVE];
         let count = rng.random_range(2..=MOST_ACTIVE);
         let drawn = self.moving.iter().copied().sample_fill(&mut rng, &mut active[..count]);
         for &target in &active[..drawn] {
             // Above 0, and at most 1.
-            weights[target] = 1.0 - rng.random::<f32>();
+            subject.set(&mut weights, target, 1.0 - rng.random::<f32>());
         }
         weights
     }
@@ -75,12 +75,14 @@ mod tests {
     use glam::Vec3;
     use morph_collision_testkit::clip::WeightAnimation;
 
+    use morph_collision_testkit::mesh::MorphMesh;
+
     use super::*;
     use crate::clips::ClipChoice;
     use crate::frame_times::FrameTimes;
 
-    fn mesh() -> MorphMesh {
-        MorphMesh {
+    fn subject() -> Subject {
+        let mesh = MorphMesh {
             positions: vec![Vec3::ZERO],
             targets: vec![vec![Vec3::X]; 60],
             animations: vec![WeightAnimation {
@@ -91,16 +93,22 @@ mod tests {
                 ..WeightAnimation::default()
             }],
             ..MorphMesh::default()
+        };
+        Subject {
+            leaders: (0..60).collect(),
+            clip_targets: vec![(0..60).collect()],
+            mesh,
+            ..Subject::default()
         }
     }
 
     #[test]
     fn mixtures_are_reproducible_and_have_a_few_targets() {
-        let mesh = mesh();
+        let subject = subject();
         let mixtures = |seed| Mixtures::new(50, seed, (0..60).collect(), &[]);
-        let draw = |index| mixtures(1).draw(&mesh, index);
+        let draw = |index| mixtures(1).draw(&subject, index);
         assert_eq!(draw(7), draw(7));
-        assert_ne!(draw(7), mixtures(2).draw(&mesh, 7));
+        assert_ne!(draw(7), mixtures(2).draw(&subject, 7));
         let mut counts = [0; MOST_ACTIVE + 1];
         for index in 0..50 {
             let weights = draw(index);
@@ -114,18 +122,18 @@ mod tests {
             counts[..2] == [0; 2] && counts[2..].iter().all(|count| *count > 3),
             "{counts:?}"
         );
-        let one = Mixtures::new(1, 1, vec![3], &[]).draw(&mesh, 0);
+        let one = Mixtures::new(1, 1, vec![3], &[]).draw(&subject, 0);
         assert_eq!(
             one.iter().filter(|weight| **weight != 0.0).count(),
             1,
             "there is only one"
         );
-        assert_eq!(Mixtures::new(1, 1, Vec::new(), &[]).draw(&mesh, 0), [0.0; 60]);
+        assert_eq!(Mixtures::new(1, 1, Vec::new(), &[]).draw(&subject, 0), [0.0; 60]);
     }
 
     #[test]
     fn half_of_the_mixtures_are_near_frames_if_there_are_any() {
-        let mesh = mesh();
+        let subject = subject();
         let clip = [Stage::Clip {
             name: "clip".to_owned(),
             choice: ClipChoice {
@@ -136,7 +144,7 @@ mod tests {
         }];
         let mixtures = Mixtures::new(100, 1, (0..60).collect(), &clip);
         let of_frames: Vec<Vec<f32>> = (0..100)
-            .map(|index| mixtures.draw(&mesh, index))
+            .map(|index| mixtures.draw(&subject, index))
             .filter(|weights| weights.iter().filter(|weight| **weight != 0.0).count() > MOST_ACTIVE)
             .collect();
         assert!((30..70).contains(&of_frames.len()), "{}", of_frames.len());

@@ -6,6 +6,7 @@
 
 mod baseline;
 mod capture;
+mod character;
 mod findings;
 mod html;
 mod in_memory;
@@ -20,6 +21,7 @@ mod regions;
 mod report;
 mod search;
 mod source;
+mod subject;
 mod suggest;
 mod text;
 mod work;

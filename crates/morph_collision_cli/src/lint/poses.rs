@@ -1,21 +1,23 @@
-//! The shapes to try: single targets, pairs of targets, clips, captures and random mixtures.
+//! The shapes to try: single targets, pairs of targets, clips, captures, expressions and random mixtures.
 
 use glam::Affine3A;
 use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::printable::Printable;
 
 use super::capture::Capture;
 use super::mixtures::Mixtures;
 use super::source::{Kind, Source};
-use crate::clips::{BrokenClips, ClipChoice, clip_names};
-use crate::error::CliError;
+use super::subject::Subject;
+use crate::clips::{ClipChoice, clip_names};
 use crate::frame_times::FrameTimes;
 
 /// The weights at which each target is tried alone.
 const ALONE: [f32; 4] = [0.25, 0.5, 0.75, 1.0];
 /// The weights at which two targets are tried together. They are among those of [`ALONE`].
 const TOGETHER: [[f32; 2]; 4] = [[1.0, 1.0], [1.0, 0.5], [0.5, 1.0], [0.5, 0.5]];
+
+/// The strengths at which an expression is tried. Some are only ever shown in full.
+const STRENGTHS: [f32; 2] = [1.0, 0.5];
 
 /// A shape to try.
 #[derive(Clone, Debug)]
@@ -38,6 +40,8 @@ pub(super) enum Stage<'a> {
         times: FrameTimes,
     },
     Capture(Capture),
+    /// Expressions of the subject, with strengths.
+    Expressions(Vec<(usize, f32)>),
     Mixtures(Mixtures<'a>),
 }
 
@@ -49,6 +53,7 @@ impl Stage<'_> {
             Self::Pairs(pairs) => pairs.len() * TOGETHER.len(),
             Self::Clip { times, .. } => times.len(),
             Self::Capture(capture) => capture.len(),
+            Self::Expressions(expressions) => expressions.len(),
             Self::Mixtures(mixtures) => mixtures.count,
         }
     }
@@ -60,6 +65,7 @@ impl Stage<'_> {
             Self::Pairs(_) => "pair of targets".to_owned(),
             Self::Clip { name, .. } => format!("frame of {}", Printable(name)),
             Self::Capture(capture) => format!("row of {}", Printable(&capture.name)),
+            Self::Expressions(_) => "expression".to_owned(),
             Self::Mixtures(_) => "mixture".to_owned(),
         }
     }
@@ -70,6 +76,7 @@ impl Stage<'_> {
             Self::Pairs(_) => Kind::Pair,
             Self::Clip { .. } => Kind::Clip,
             Self::Capture(_) => Kind::Capture,
+            Self::Expressions(_) => Kind::Expression,
             Self::Mixtures(_) => Kind::Mixture,
         }
     }
@@ -79,35 +86,43 @@ impl Stage<'_> {
         match self {
             Self::Clip { choice, .. } => choice.weights.is_some(),
             Self::Capture(_) => true,
-            Self::Alone(_) | Self::Pairs(_) | Self::Mixtures(_) => false,
+            Self::Alone(_) | Self::Pairs(_) | Self::Expressions(_) | Self::Mixtures(_) => false,
         }
     }
 
     /// The weights of one of the shapes.
-    pub(super) fn weights(&self, mesh: &MorphMesh, index: usize) -> Vec<f32> {
-        let mut weights = mesh.weights_at_rest();
+    pub(super) fn weights(&self, subject: &Subject, index: usize) -> Vec<f32> {
+        let mut weights = subject.mesh.weights_at_rest();
         match self {
-            Self::Alone(targets) => weights[targets[index / ALONE.len()]] = ALONE[index % ALONE.len()],
+            Self::Alone(targets) => {
+                subject.set(&mut weights, targets[index / ALONE.len()], ALONE[index % ALONE.len()]);
+            }
             Self::Pairs(pairs) => {
                 let pair = pairs[index / TOGETHER.len()];
                 for (target, weight) in pair.into_iter().zip(TOGETHER[index % TOGETHER.len()]) {
-                    weights[target] = weight;
+                    subject.set(&mut weights, target, weight);
                 }
             }
             Self::Clip { choice, times, .. } => {
-                if let Some(clip) = choice.weights.and_then(|clip| mesh.animations.get(clip)) {
-                    weights = clip.sample(times.seconds(index) as f32);
+                weights = subject.weights_in_clip(choice.weights, times.seconds(index) as f32);
+            }
+            Self::Capture(capture) => {
+                for (target, weight) in capture.row(index) {
+                    subject.set(&mut weights, target, weight);
                 }
             }
-            Self::Capture(capture) => capture.set(index, &mut weights),
-            Self::Mixtures(mixtures) => weights = mixtures.draw(mesh, index),
+            Self::Expressions(expressions) => {
+                let (expression, strength) = expressions[index];
+                subject.expressions[expression].add(strength, &mut weights);
+            }
+            Self::Mixtures(mixtures) => weights = mixtures.draw(subject, index),
         }
         weights
     }
 
     /// One of the shapes.
-    pub(super) fn shape(&self, mesh: &MorphMesh, index: usize) -> Tried {
-        let skeleton = mesh.skin.as_ref().map(|skin| &skin.skeleton);
+    pub(super) fn shape(&self, subject: &Subject, index: usize) -> Tried {
+        let skeleton = subject.mesh.skin.as_ref().map(|skin| &skin.skeleton);
         let at_rest = || skeleton.map(|skeleton| skeleton.world_from_mesh(None, 0.0));
         let row = Some(index as f64);
         let (source, moment, joints) = match self {
@@ -122,12 +137,16 @@ impl Stage<'_> {
                 (Source::Clip(name.clone()), Some(moment), joints)
             }
             Self::Capture(capture) => (Source::Capture(capture.name.clone()), row, at_rest()),
+            Self::Expressions(expressions) => {
+                let name = subject.expressions[expressions[index].0].name.clone();
+                (Source::Expression(name), None, at_rest())
+            }
             Self::Mixtures(_) => (Source::Mixtures, row, at_rest()),
         };
         Tried {
             source,
             moment,
-            weights: self.weights(mesh, index),
+            weights: self.weights(subject, index),
             joints,
         }
     }
@@ -136,25 +155,34 @@ impl Stage<'_> {
 /// The clips of a mesh as stages.
 pub(super) fn clip_stages(
     file: &GltfFile,
-    mesh: &MorphMesh,
-    broken: &BrokenClips,
+    subject: &Subject,
     wanted: &[String],
     fps: f32,
     is_loop: bool,
-) -> Result<Vec<Stage<'static>>, CliError> {
+) -> Vec<Stage<'static>> {
+    let (mesh, broken) = (&subject.mesh, &subject.broken);
     let names = match wanted {
         [] => clip_names(file, mesh, None, broken),
         _ => wanted.to_vec(),
     };
+    // A clip that is asked for moves at least one subject, but not each.
     let stage = |name: String| {
-        let choice = ClipChoice::find(&name, file, mesh, None, broken).map_err(|error| CliError::Flag {
-            flag: "--clip",
-            reason: error.reason(),
-        })?;
-        let times = FrameTimes::of_clip(choice.duration(mesh, None), fps, is_loop);
-        Ok(Stage::Clip { name, choice, times })
+        let choice = ClipChoice::find(&name, file, mesh, None, broken).ok()?;
+        let seconds = choice
+            .duration(mesh, None)
+            .max(subject.seconds_of_weights(choice.weights));
+        let times = FrameTimes::of_clip(seconds, fps, is_loop);
+        Some(Stage::Clip { name, choice, times })
     };
-    names.into_iter().map(stage).collect()
+    names.into_iter().filter_map(stage).collect()
+}
+
+/// The expressions of a subject.
+pub(super) fn expressions(subject: &Subject) -> Stage<'static> {
+    let strengths = |is_binary: bool| if is_binary { &STRENGTHS[..1] } else { &STRENGTHS[..] };
+    let all = subject.expressions.iter().enumerate();
+    let all = all.flat_map(|(index, expression)| strengths(expression.is_binary).iter().map(move |&by| (index, by)));
+    Stage::Expressions(all.collect())
 }
 
 #[cfg(test)]

@@ -8,11 +8,11 @@ use morph_collision_testkit::weight_list::WeightList;
 use serde::Serialize;
 
 use super::findings::Finding;
-use super::input::Subject;
-use super::members::{MeshTriangles, by_mesh};
+use super::members::{Member, MeshTriangles, by_mesh, member_of};
 use super::parts::Parts;
 use super::proof::ProofReport;
 use super::source::{Kind, Source};
+use super::subject::Subject;
 use super::suggest::Suggestion;
 use crate::blame::Blame;
 
@@ -32,6 +32,9 @@ pub(super) struct MeshReport {
     pub(super) name: String,
     pub(super) triangles: usize,
     pub(super) targets: usize,
+    /// The meshes that it consists of, if there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) joined: Vec<JoinedMesh>,
     /// Pairs of triangles that touch at rest. They are not reported.
     pub(super) pairs_at_rest: usize,
     /// Triangles that are left out because they have a vertex without joint weights.
@@ -49,6 +52,15 @@ pub(super) struct MeshReport {
     pub(super) suggestions: Vec<Suggestion>,
 }
 
+/// One of several meshes that are searched as one.
+#[derive(Debug, Serialize)]
+pub(super) struct JoinedMesh {
+    pub(super) mesh: usize,
+    pub(super) name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) node: Option<usize>,
+}
+
 /// The shapes of one kind.
 #[derive(Debug, Serialize)]
 pub(super) struct SourceReport {
@@ -60,7 +72,7 @@ pub(super) struct SourceReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct FindingReport {
-    /// `target`, `clip`, `capture`, `pair`, `proof` or `mixture`.
+    /// `target`, `clip`, `capture`, `pair`, `expression`, `proof` or `mixture`.
     kind: Kind,
     /// The kind and a name.
     pub(super) found_with: String,
@@ -87,7 +99,7 @@ pub(super) struct FindingReport {
     joints: Vec<String>,
     /// Weights that differ from those at rest.
     weights: WeightList,
-    /// Options of `query` and `export` that give the worst shape, without the garment.
+    /// Options of `query` and `export` that give the worst shape of the first mesh.
     pub(super) reproduce: String,
     /// The triangles that touch in any of the shapes, with their numbers in their meshes.
     pub(super) meshes: Vec<MeshTriangles>,
@@ -104,14 +116,17 @@ impl FindingReport {
         let blame = Blame::new(mesh);
         let ones = vec![1.0; mesh.targets.len()];
         let (targets, joints) = blame.movers_of(&finding.worst.triangles, &finding.weights);
-        let weights = named(mesh, &finding.weights);
+        let weights = named(subject, &finding.weights);
+        let first = finding.worst.triangles.first().copied().unwrap_or_default();
+        let member = member_of(&subject.members, first);
+        let index = member.map_or(*index, |member| member.mesh);
         let reproduce = match (&finding.source, finding.moment) {
             (Source::Clip(name), Some(seconds)) => format!("--mesh {index} --clip {} --time {seconds}", shell(name)),
             _ => {
-                let own = &mesh.target_names[..subject.own_targets];
-                let list: Vec<String> = weights
-                    .iter()
-                    .filter(|(name, _)| subject.garment_from.is_none() || own.contains(name))
+                let own = member.map(|member| own_weights(subject, member, &finding.weights));
+                let list: Vec<String> = own
+                    .into_iter()
+                    .flatten()
                     .map(|(name, weight)| format!("{name}={weight}"))
                     .collect();
                 format!("--mesh {index} --weights {}", shell(&list.join(",")))
@@ -177,19 +192,35 @@ impl FindingReport {
     }
 }
 
-/// The weights that differ from those at rest, by name, or by index if a name is not unique.
-fn named(mesh: &MorphMesh, weights: &[f32]) -> Vec<(String, f32)> {
-    let names = &mesh.target_names;
-    let differs = weights.iter().zip(mesh.weights_at_rest()).enumerate();
-    let differs = differs.filter(|(_, (weight, rest))| *weight != rest);
-    let name = |target: usize| {
-        let name = &names[target];
-        match names.iter().filter(|other| *other == name).count() {
-            1 => name.clone(),
-            _ => target.to_string(),
-        }
-    };
-    differs.map(|(target, (&weight, _))| (name(target), weight)).collect()
+/// The weights that differ from those at rest, by name, or by index if a name is not unique. Targets that move with others are left out.
+fn named(subject: &Subject, weights: &[f32]) -> Vec<(String, f32)> {
+    let differs = differing(&subject.mesh, weights);
+    let differs = differs.filter(|&target| !subject.follows(target, weights));
+    let names = &subject.mesh.target_names;
+    differs.map(|target| (unique(names, target), weights[target])).collect()
+}
+
+/// The same for one of the meshes, with the names of its own targets.
+fn own_weights(subject: &Subject, member: &Member, weights: &[f32]) -> Vec<(String, f32)> {
+    let differing: Vec<usize> = differing(&subject.mesh, weights).collect();
+    let own = member.targets.iter().enumerate();
+    let own = own.filter(|(_, target)| differing.contains(target));
+    own.map(|(own, &target)| (unique(&member.target_names, own), weights[target]))
+        .collect()
+}
+
+fn differing(mesh: &MorphMesh, weights: &[f32]) -> impl Iterator<Item = usize> {
+    let both = weights.iter().zip(mesh.weights_at_rest()).enumerate();
+    both.filter(|(_, (weight, rest))| *weight != rest)
+        .map(|(target, _)| target)
+}
+
+fn unique(names: &[String], target: usize) -> String {
+    let name = &names[target];
+    match names.iter().filter(|other| *other == name).count() {
+        1 => name.clone(),
+        _ => target.to_string(),
+    }
 }
 
 /// Text as a word of a command line.
@@ -247,7 +278,12 @@ mod tests {
             default_weights: vec![0.0, 0.0, 0.0, 0.5],
             ..MorphMesh::default()
         };
-        let weights = named(&mesh, &[1.0, 0.0, 0.25, 0.0]);
+        let subject = Subject {
+            leaders: (0..4).collect(),
+            mesh,
+            ..Subject::default()
+        };
+        let weights = named(&subject, &[1.0, 0.0, 0.25, 0.0]);
         assert_eq!(
             weights,
             [("a".to_owned(), 1.0), ("2".to_owned(), 0.25), ("c".to_owned(), 0.0)]

@@ -10,6 +10,7 @@ pub(super) enum Kind {
     Clip,
     Capture,
     Pair,
+    Expression,
     Proof,
     Mixture,
 }
@@ -22,6 +23,7 @@ impl Kind {
             Self::Clip => "of clips",
             Self::Capture => "of captures",
             Self::Pair => "of pairs",
+            Self::Expression => "of expressions",
             Self::Proof => "of the proof",
             Self::Mixture => "of mixtures",
         }
@@ -35,6 +37,7 @@ pub(super) enum Source {
     Pair([usize; 2]),
     Clip(String),
     Capture(String),
+    Expression(String),
     Mixtures,
     /// Weights that a proof came across.
     Proof,
@@ -47,6 +50,7 @@ impl Source {
             Self::Pair(_) => Kind::Pair,
             Self::Clip(_) => Kind::Clip,
             Self::Capture(_) => Kind::Capture,
+            Self::Expression(_) => Kind::Expression,
             Self::Mixtures => Kind::Mixture,
             Self::Proof => Kind::Proof,
         }
@@ -60,6 +64,7 @@ impl Source {
             Self::Pair([a, b]) => format!("pair {} + {}", name(a), name(b)),
             Self::Clip(clip) => format!("clip {clip}"),
             Self::Capture(file) => format!("capture {file}"),
+            Self::Expression(name) => format!("expression {name}"),
             Self::Mixtures => "random mixtures".to_owned(),
             Self::Proof => "the proof".to_owned(),
         }
@@ -70,7 +75,7 @@ impl Source {
         match self {
             Self::Target(target) => std::slice::from_ref(target),
             Self::Pair(pair) => pair,
-            Self::Clip(_) | Self::Capture(_) | Self::Mixtures | Self::Proof => &[],
+            Self::Clip(_) | Self::Capture(_) | Self::Expression(_) | Self::Mixtures | Self::Proof => &[],
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The largest weights that do not clip, for targets and pairs of targets that do.
 
-use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::PoseError;
 use serde::Serialize;
 
 use super::findings::Finding;
 use super::poses::Tried;
 use super::search::{Known, Searcher};
+use super::subject::Subject;
 
 /// Weights are tried in this many steps, up to the first that clips.
 const STEPS: u32 = 16;
@@ -48,18 +48,18 @@ impl Suggestion {
 /// Searches for each target of a finding's source, while the other one keeps its weight.
 pub(super) fn suggest(
     searcher: &mut Searcher,
-    mesh: &MorphMesh,
+    subject: &Subject,
     finding: &Finding,
     known: &[&Known],
 ) -> Result<Vec<Suggestion>, PoseError> {
     let targets = finding.source.targets();
-    let name = |target: usize| mesh.target_names[target].clone();
+    let name = |target: usize| subject.mesh.target_names[target].clone();
     let mut suggestions = Vec::with_capacity(targets.len());
     for &target in targets {
         let other = targets.iter().copied().find(|&other| other != target);
         suggestions.push(Suggestion {
             target: name(target),
-            largest: largest(searcher, finding, target, known)?,
+            largest: largest(searcher, subject, finding, target, known)?,
             clips_at: finding.weights[target],
             while_other: other.map(|other| (name(other), finding.weights[other])),
         });
@@ -67,7 +67,13 @@ pub(super) fn suggest(
     Ok(suggestions)
 }
 
-fn largest(searcher: &mut Searcher, finding: &Finding, target: usize, known: &[&Known]) -> Result<f32, PoseError> {
+fn largest(
+    searcher: &mut Searcher,
+    subject: &Subject,
+    finding: &Finding,
+    target: usize,
+    known: &[&Known],
+) -> Result<f32, PoseError> {
     let full = finding.weights[target];
     let mut shape = Tried {
         source: finding.source.clone(),
@@ -76,7 +82,7 @@ fn largest(searcher: &mut Searcher, finding: &Finding, target: usize, known: &[&
         joints: finding.joints.clone(),
     };
     let mut is_clean = |weight: f32| {
-        shape.weights[target] = weight;
+        subject.set(&mut shape.weights, target, weight);
         Ok::<bool, PoseError>(!searcher.new_pairs(&shape, known, 0)?.1)
     };
     let (mut clean, mut clips) = (0.0, full);

@@ -16,15 +16,16 @@ use morph_collision_testkit::rivals::PoseError;
 use super::LintArgs;
 use super::capture::Capture;
 use super::findings::{Finding, Findings};
-use super::input::{Subject, refused, shape_words};
+use super::input::{refused, shape_words};
 use super::mixtures::Mixtures;
 use super::parts::Parts;
 use super::picture;
-use super::poses::{Stage, Tried, clip_stages};
+use super::poses::{Stage, Tried, clip_stages, expressions};
 use super::proof::{ProofReport, prove};
 use super::report::{FindingReport, MeshReport, SourceReport};
 use super::search::{Known, Rules, Searcher, in_order};
 use super::source::{Kind, Source};
+use super::subject::Subject;
 use super::suggest::{Suggestion, suggest};
 use crate::error::CliError;
 use crate::model_file::count_memory;
@@ -77,13 +78,14 @@ pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> 
         tried: BTreeMap::new(),
     };
     lint.look_at_rest()?;
-    let moving = lint.moving();
+    let moving = subject.moving();
     let mut stages = vec![Stage::Alone(moving.clone()), Stage::Pairs(lint.pairs(&moving)?)];
     let (fps, is_loop) = (args.fps.unwrap_or(30.0), args.is_loop);
-    stages.extend(clip_stages(file, mesh, &subject.broken, &args.clip, fps, is_loop)?);
+    stages.extend(clip_stages(file, subject, &args.clip, fps, is_loop));
     for path in &args.capture {
         stages.push(Stage::Capture(lint.capture(path)?));
     }
+    stages.push(expressions(subject));
     for stage in &stages {
         lint.try_stage(stage)?;
     }
@@ -141,13 +143,6 @@ impl Lint<'_> {
         Ok(())
     }
 
-    /// The targets that move anything.
-    fn moving(&self) -> Vec<usize> {
-        let targets = self.mesh.targets.iter().enumerate();
-        let moving = targets.filter(|(_, target)| !target.is_empty());
-        moving.map(|(target, _)| target).collect()
-    }
-
     /// All pairs of targets, if they are asked for.
     fn pairs(&mut self, moving: &[usize]) -> Result<Vec<[usize; 2]>, CliError> {
         let mut pairs = Vec::new();
@@ -176,14 +171,14 @@ impl Lint<'_> {
     }
 
     fn try_stage(&mut self, stage: &Stage<'_>) -> Result<(), CliError> {
-        let (mesh, budget) = (self.mesh, self.file.budget());
+        let (mesh, subject, budget) = (self.mesh, self.subject, self.file.budget());
         let steps = progress::count(&stage.step_name(), stage.len() as u64);
         let mut searchers = std::mem::take(&mut self.searchers);
         let mut alone = std::mem::take(&mut self.alone);
         let mut found_alone = Vec::new();
         let collects = matches!(stage, Stage::Alone(_)) && !alone.is_empty();
         let work = |searcher: &mut Searcher, shape: usize| {
-            let shape = stage.shape(mesh, shape);
+            let shape = stage.shape(subject, shape);
             let found = searcher.find(&shape, &known(&self.at_rest, &alone, &shape.source));
             steps.step();
             (shape, found)
@@ -289,7 +284,7 @@ impl Lint<'_> {
             for finding in &findings {
                 if !searched.contains(&&finding.source) {
                     let known = known(&self.at_rest, &self.alone, &finding.source);
-                    let found = suggest(&mut self.searchers[0], mesh, finding, &known);
+                    let found = suggest(&mut self.searchers[0], self.subject, finding, &known);
                     let words = || finding.source.words(&mesh.target_names);
                     suggestions.extend(found.map_err(|reason| refused(self.args, self.index, mesh, words(), reason))?);
                     searched.push(&finding.source);
@@ -317,6 +312,7 @@ impl Lint<'_> {
             name: mesh.name.clone(),
             triangles: mesh.triangles.len(),
             targets: mesh.targets.len(),
+            joined: self.subject.joined(),
             pairs_at_rest: self.at_rest.len(),
             left_out: self.subject.left_out,
             shapes: self.tried.values().sum(),

@@ -11,6 +11,7 @@ mod export;
 mod guides;
 mod inspect;
 mod lint;
+mod lint_character;
 mod lint_garment;
 mod lint_sources;
 mod motion;

@@ -1,0 +1,260 @@
+//! `lint` searches all meshes of a skeleton or node tree as one.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use tempfile::{TempDir, tempdir};
+
+use crate::lint::{findings, lint, report};
+use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, write_gltf};
+
+/// A floor that its only target lifts by 0.6, and a wall 1 above it, which its target lowers by 0.6. They touch only if both targets are near 1.
+fn meshes(height: f32) -> [RawMesh; 2] {
+    let floor = RawMesh {
+        positions: vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]],
+        targets: vec![vec![[0.0, 0.0, 0.6]; 3]],
+        ..RawMesh::triangle("jaw")
+    };
+    let wall = RawMesh {
+        positions: vec![[1.0, 1.0, height], [2.0, 1.0, height], [1.0, 1.0, height + 4.0]],
+        targets: vec![vec![[0.0, 0.0, -0.6]; 3]],
+        ..RawMesh::triangle("teeth")
+    };
+    [floor, wall]
+}
+
+/// Writes two meshes and lets `edit` change the file. Node 0 is above node 1, which shows the floor, and node 2, which shows the wall. The clip
+/// "bite" moves the nodes that it is given down by 4.
+fn model(height: f32, names: [&str; 2], edit: impl Fn(&mut Value)) -> Result<(TempDir, PathBuf), Box<dyn Error>> {
+    let dir = tempdir()?;
+    let path = write_gltf(dir.path(), "face.gltf", &meshes(height))?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    for (mesh, name) in names.into_iter().enumerate() {
+        gltf["meshes"][mesh]["extras"] = json!({ "targetNames": [name] });
+    }
+    gltf["scenes"] = json!([{ "nodes": [0] }]);
+    gltf["nodes"] = json!([{ "children": [1, 2] }, { "mesh": 0 }, { "mesh": 1 }]);
+    edit(&mut gltf);
+    std::fs::write(&path, gltf.to_string())?;
+    Ok((dir, path))
+}
+
+/// Adds a clip of one second that moves a node down by 4.
+fn add_clip(gltf: &mut Value, node: usize) {
+    let mut add = |uri: String, length: usize, accessor: Value| {
+        let list = |gltf: &mut Value, name: &str, value: Value| {
+            let list = gltf[name].as_array_mut().expect("the file has this list");
+            list.push(value);
+            list.len() - 1
+        };
+        let uri = format!("data:application/octet-stream;base64,{uri}");
+        let buffer = list(gltf, "buffers", json!({ "uri": uri, "byteLength": length }));
+        let view = list(gltf, "bufferViews", json!({ "buffer": buffer, "byteLength": length }));
+        let mut accessor = accessor;
+        accessor["bufferView"] = json!(view);
+        list(gltf, "accessors", accessor)
+    };
+    let scalars = json!({ "componentType": 5126, "type": "SCALAR", "count": 2 });
+    let times = add("AAAAAAAAgD8=".to_owned(), 8, scalars);
+    let vectors = json!({ "componentType": 5126, "type": "VEC3", "count": 2 });
+    let down = add("AAAA".repeat(7) + "AIDA", 24, vectors);
+    gltf["animations"] = json!([{
+        "name": "bite",
+        "channels": [{ "sampler": 0, "target": { "node": node, "path": "translation" } }],
+        "samplers": [{ "input": times, "output": down }],
+    }]);
+}
+
+const QUICK: &[&str] = &["--mixtures", "0", "--fps", "8"];
+
+fn found(path: &Path, args: &[&str]) -> Result<Vec<(String, Value)>, Box<dyn Error>> {
+    let report = report(path, &[QUICK, args].concat())?;
+    let found = findings(&report).into_iter();
+    Ok(found
+        .map(|finding| {
+            (
+                finding["found_with"].as_str().unwrap_or_default().to_owned(),
+                finding["meshes"].clone(),
+            )
+        })
+        .collect())
+}
+
+#[test]
+fn targets_of_the_same_name_move_together_and_findings_name_both_meshes() -> TestResult {
+    let (_dir, path) = model(1.0, ["open", "open"], |_| ())?;
+    let of_both = json!([
+        { "mesh": 0, "name": "jaw", "node": 1, "triangles": [0] },
+        { "mesh": 1, "name": "teeth", "node": 2, "triangles": [0] },
+    ]);
+    // Each mesh was tried alone, and nothing was found.
+    assert_eq!(found(&path, &[])?, [("target open".to_owned(), of_both)]);
+    for mesh in ["0", "teeth"] {
+        assert_eq!(found(&path, &["--mesh", mesh])?, [], "alone");
+    }
+    let report = report(&path, QUICK)?;
+    let subject = &report["meshes"][0];
+    assert_eq!(
+        (&subject["name"], &subject["targets"]),
+        (&"jaw and 1 more".into(), &1.into())
+    );
+    assert_eq!(subject["joined"][1], json!({ "mesh": 1, "name": "teeth", "node": 2 }));
+    assert_eq!(findings(&report)[0]["reproduce"], "--mesh 0 --weights open=1");
+    let text = String::from_utf8(lint(&path, &[QUICK, &["--prove", "--suggest"]].concat())?.stdout)?;
+    assert!(
+        text.contains("jaw and teeth") && text.contains("open: at most 0.83"),
+        "{text}"
+    );
+    Ok(())
+}
+
+#[test]
+fn targets_with_other_names_are_tried_in_pairs() -> TestResult {
+    let (_dir, path) = model(1.0, ["open", "lower"], |_| ())?;
+    assert_eq!(found(&path, &[])?, []);
+    let pairs = found(&path, &["--pairs"])?;
+    assert_eq!(pairs.len(), 1);
+    assert_eq!(pairs[0].0, "pair open + lower");
+    Ok(())
+}
+
+#[test]
+fn rigid_meshes_follow_their_nodes() -> TestResult {
+    // The wall is modelled around the origin, and its node is 1 above that of the floor, which is turned over.
+    let placed = |gltf: &mut Value| {
+        gltf["nodes"][2] = json!({ "mesh": 1, "translation": [0, 0, 1] });
+        gltf["nodes"][0]["translation"] = json!([5, 5, 5]);
+    };
+    let (_dir, path) = model(0.0, ["open", "open"], placed)?;
+    assert_eq!(found(&path, &[])?.len(), 1);
+    let clipped = |gltf: &mut Value| {
+        placed(gltf);
+        add_clip(gltf, 2);
+    };
+    let (_dir, path) = model(0.0, ["open", "lower"], clipped)?;
+    let clips = found(&path, &[])?;
+    assert_eq!((clips.len(), &*clips[0].0), (1, "clip bite"));
+    // If the node above both moves, nothing changes.
+    let (_dir, path) = model(1.0, ["open", "lower"], |gltf| add_clip(gltf, 0))?;
+    assert_eq!(found(&path, &[])?, []);
+    Ok(())
+}
+
+#[test]
+fn meshes_of_other_trees_are_searched_alone() -> TestResult {
+    let apart = |gltf: &mut Value| {
+        gltf["scenes"] = json!([{ "nodes": [1, 2] }]);
+        gltf["nodes"][0] = json!({});
+    };
+    let (_dir, path) = model(1.0, ["open", "open"], apart)?;
+    let report = report(&path, QUICK)?;
+    assert_eq!(report["meshes"].as_array().map(Vec::len), Some(2));
+    assert!(findings(&report).is_empty());
+    Ok(())
+}
+
+#[test]
+fn a_skinned_mesh_meets_what_hangs_on_its_skeleton() -> TestResult {
+    let (_dir, path) = crate::skins::model()?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    // The second triangle hangs on the same tree, 1 above the first one, which the clip lifts by 4.
+    gltf["nodes"][0]["children"] = json!([1, 3]);
+    gltf["nodes"][3]["translation"] = json!([0, 0, 1.9]);
+    gltf["nodes"][3]["rotation"] = json!([0.70710677, 0, 0, 0.70710677]);
+    std::fs::write(&path, gltf.to_string())?;
+    let clips = found(&path, &["--clip", "rise"])?;
+    assert!(
+        clips
+            .iter()
+            .any(|(with, meshes)| with == "clip rise" && meshes.as_array().map(Vec::len) == Some(2)),
+        "{clips:?}"
+    );
+    Ok(())
+}
+
+#[test]
+fn a_character_that_takes_too_much_memory_says_which_option_helps() -> TestResult {
+    let (_dir, path) = model(1.0, ["open", "open"], |_| ())?;
+    let size = std::fs::metadata(&path)?.len() + 20_000;
+    let limits = (0..40).map(|step| size / 4 + 200 * step);
+    for limit in limits {
+        let output = lint(&path, &["--memory-limit", &limit.to_string()])?;
+        if output.status.code() == Some(2) {
+            assert!(error_of(&output).contains("memory-limit"));
+        }
+    }
+    Ok(())
+}
+
+/// An avatar whose expression "happy" lifts the floor and lowers the wall.
+fn avatar() -> Result<(TempDir, PathBuf), Box<dyn Error>> {
+    model(1.0, ["open", "lower"], |gltf| {
+        let bind = |node: usize| json!({ "node": node, "index": 0, "weight": 1.0 });
+        let expressions = json!({
+            "preset": { "happy": { "morphTargetBinds": [bind(1), bind(2)] }, "blink": { "morphTargetBinds": [bind(1)] } },
+            "custom": { "shut": { "morphTargetBinds": [bind(1), bind(2)], "isBinary": true } },
+        });
+        gltf["extensionsUsed"] = json!(["VRMC_vrm"]);
+        gltf["extensions"] = json!({ "VRMC_vrm": { "specVersion": "1.0", "expressions": expressions } });
+    })
+}
+
+#[test]
+fn expressions_of_an_avatar_are_a_source_of_their_own() -> TestResult {
+    let (_dir, path) = avatar()?;
+    let report = report(&path, QUICK)?;
+    let found = findings(&report);
+    let with: Vec<&Value> = found.iter().map(|finding| &finding["found_with"]).collect();
+    assert_eq!(with, ["expression happy", "expression shut"]);
+    assert_eq!(found[0]["kind"], "expression");
+    assert_eq!(found[0]["weights"], json!({ "open": 1.0, "lower": 1.0 }));
+    // Two at half and at full strength, and one only in full.
+    let source = json!({ "kind": "expression", "shapes": 5, "findings": 2 });
+    assert!(
+        report["meshes"][0]["sources"]
+            .as_array()
+            .is_some_and(|sources| sources.contains(&source)),
+        "{report}"
+    );
+    Ok(())
+}
+
+#[test]
+fn a_query_can_show_an_expression() -> TestResult {
+    let (_dir, path) = avatar()?;
+    let hit = |args: &[&str]| {
+        let mut all = vec![
+            "query".as_ref(),
+            path.as_os_str(),
+            "--ray=1,1,5,0,0,-1".as_ref(),
+            "--json".as_ref(),
+        ];
+        all.extend(args.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
+        let answer: Value = serde_json::from_str(&stdout_of(&morph_collide(all)?))?;
+        Ok::<_, Box<dyn Error>>(answer["hits"][0]["t"].as_f64().map(|t| (t * 100.0).round()))
+    };
+    assert_eq!(hit(&[])?, Some(500.0));
+    assert_eq!(hit(&["--expression", "happy"])?, Some(440.0));
+    assert_eq!(
+        hit(&["--expression", "happy=0.5", "--expression", "blink=1"])?,
+        Some(410.0)
+    );
+    assert_eq!(hit(&["--expression", "happy", "--weights", "open=0"])?, Some(500.0));
+    for (args, part) in [
+        (
+            ["--expression", "hapy"],
+            "there is no expression \"hapy\"; did you mean \"happy\"",
+        ),
+        (["--expression", "happy=x"], "NAME=STRENGTH"),
+    ] {
+        let mut all = vec!["query".as_ref(), path.as_os_str(), "--self".as_ref()];
+        all.extend(args.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
+        let message = error_of(&morph_collide(all)?);
+        assert!(message.contains(part), "{message}");
+    }
+    let alone = ["query", "--self", "--mesh", "1", "--expression", "blink"].map(AsRef::<std::ffi::OsStr>::as_ref);
+    let message = error_of(&morph_collide(alone.into_iter().chain([path.as_os_str()]))?);
+    assert!(message.contains("\"blink\" does not move this mesh"), "{message}");
+    Ok(())
+}

@@ -125,6 +125,8 @@ pub(super) fn subject(
         let mut member = garment.member.clone();
         member.first = first;
         subject.members.push(member);
+        // They are of different files.
+        subject.members.iter_mut().for_each(|member| member.node = None);
         subject.left_out += garment.left_out;
         let joined = subject.mesh.joined(&garment.mesh);
         let told = |reason: JoinError| CliError::Flag {

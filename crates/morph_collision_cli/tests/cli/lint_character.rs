@@ -103,7 +103,7 @@ fn targets_of_the_same_name_move_together_and_findings_name_both_meshes() -> Tes
     assert_eq!(findings(&report)[0]["reproduce"], "--mesh 0 --weights open=1");
     let text = String::from_utf8(lint(&path, &[QUICK, &["--prove", "--suggest"]].concat())?.stdout)?;
     assert!(
-        text.contains("jaw and teeth") && text.contains("open: at most 0.83"),
+        text.contains("jaw piece 0 (1 triangle) and teeth piece 1") && text.contains("open: at most 0.83"),
         "{text}"
     );
     Ok(())

@@ -33,8 +33,8 @@ pub(super) fn page(report: &LintReport) -> String {
          <title>{title}</title><style>{PAGE_STYLE}{}</style></head><body>\n<h1>{title}</h1>\n",
         picture::STYLE
     );
-    page += "<p>Where the mesh runs into itself although it does not at rest: with single targets, in clips and captures, with pairs of \
-             targets, and in mixtures, each the deepest first. Depth is how far one triangle would have to move to leave the one it touches, in the file's unit; a \
+    page += "<p>Where a mesh, or the meshes of a character, run into themselves although they do not at rest: with single targets, in clips and captures, with pairs of \
+             targets, with expressions, and in mixtures, each the deepest first. Depth is how far one triangle would have to move to leave the one it touches, in the file's unit; a \
              negative one is the distance of triangles that do not touch. <i class=\"r\"></i> and <i class=\"b\"></i> touch each other. Click on \
              the weights to select them; they are options of <code>morph-collide query</code> and <code>export</code>.</p>\n";
     for mesh in &report.meshes {

@@ -1,7 +1,8 @@
 //! `morph-collide lint`: which weights make a mesh run into itself. [`Lint`] does the same with a file in memory.
 //!
 //! ```text
-//! targets, clips, captures --poses--> shapes --search--> new pairs --regions--> regions --findings--> report
+//! meshes --character--> one subject per skeleton or node tree
+//! targets, clips, captures, expressions --poses--> shapes --search--> new pairs --regions--> regions --findings--> report
 //! ```
 
 mod baseline;
@@ -61,15 +62,16 @@ const EXAMPLES: &str = "Examples:
     morph-collide lint face.glb --capture take1.csv --write-baseline known.json
     morph-collide lint face.glb --capture take1.csv --baseline known.json";
 
-/// Find the weights with which a mesh runs into itself.
+/// Find the weights with which a character runs into itself.
 ///
-/// Every mesh that is drawn is tried with each target alone, in every frame of all clips that move it, and with random mixtures of a few targets; with
-/// --pairs and --capture, also with two targets together and with recorded weights. Findings are listed in this order: single targets, clips,
-/// captures, pairs, and mixtures last. Pairs of triangles that touch at rest are not reported, and
-/// neither are triangles that share a vertex. Of two targets together, only what neither does alone is reported.
+/// All meshes that the scene draws under one skeleton or node tree are searched as one, against each other and themselves; targets with the
+/// same name move together. They are tried with each target alone, in every frame of all clips that move them, with VRM expressions, and with
+/// random mixtures of a few targets; with --pairs and --capture, also with two targets together and with recorded weights. Findings are listed
+/// in this order: single targets, clips, captures, pairs, expressions, and mixtures last. Pairs of triangles that touch at rest are not
+/// reported, and neither are triangles that share a vertex. Of two targets together, only what neither does alone is reported.
 ///
 /// Triangles that touch and are connected form a region, and regions that overlap in several shapes of a target, pair, clip or capture are
-/// one finding. `depth` is the farthest that one of its triangles would have to move, along the contact's normal, to leave the triangle that it
+/// one finding. `depth` is the farthest that one of its triangles would have to move, in the best direction, to leave the triangle that it
 /// touches, in the file's unit. It is at most about the size of a triangle, so compare findings by it, but do not read it as the thickness
 /// of an overlap.
 ///
@@ -81,7 +83,7 @@ const EXAMPLES: &str = "Examples:
 pub(crate) struct LintArgs {
     /// A .glb or .gltf file; - reads a .glb from standard input.
     model: PathBuf,
-    /// Try only this mesh: its index in the file, or its name.
+    /// Search only this mesh, in its own space: its index in the file, or its name.
     #[arg(long, value_name = "MESH")]
     mesh: Option<MeshChoice>,
     #[command(flatten)]

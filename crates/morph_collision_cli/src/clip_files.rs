@@ -165,11 +165,6 @@ impl<'a> ClipFiles<'a> {
         })
     }
 
-    /// Whether `text` is a clip of another file that was opened.
-    pub(crate) fn has(&self, text: &str) -> bool {
-        self.clips.contains_key(text)
-    }
-
     /// What to write for a clip in a scene file from which its file has another path.
     pub(crate) fn renamed(&self, text: &str, path: impl FnOnce(&Path) -> PathBuf) -> String {
         let Some(lent) = self.clips.get(text) else {

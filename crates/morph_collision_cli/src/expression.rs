@@ -29,12 +29,14 @@ impl FromStr for ExpressionArg {
 }
 
 impl ExpressionArg {
-    /// Adds its weights to those of a mesh.
-    pub(crate) fn add(&self, file: &GltfFile, mesh: usize, weights: &mut [f32]) -> Result<(), CliError> {
-        let fail = |reason: String| CliError::Flag {
-            flag: "--expression",
-            reason,
-        };
+    /// Adds its weights to those of a mesh, as a node shows it, or else its main node. Returns whether it moves the mesh.
+    pub(crate) fn add(
+        &self,
+        file: &GltfFile,
+        mesh: usize,
+        node: Option<usize>,
+        weights: &mut [f32],
+    ) -> Result<bool, CliError> {
         let shown = Printable(&self.name);
         let expressions = file.expressions();
         let by_name = expressions.iter().find(|expression| expression.name == self.name);
@@ -45,29 +47,41 @@ impl ExpressionArg {
         };
         let Some(expression) = by_name.or_else(by_preset) else {
             let names = expressions.iter().map(|expression| expression.name.as_str());
-            return Err(fail(match expressions.len() {
+            return Err(wrong(match expressions.len() {
                 0 => format!("{} has no expressions", file.path().display()),
                 _ => format!("there is no expression \"{shown}\"{}", suggestion(&self.name, names)),
             }));
         };
-        let node = file.main_node(mesh);
+        let node = node.or_else(|| file.main_node(mesh));
         let is_meant = |bound: Option<usize>| bound.is_none_or(|bound| node.is_none_or(|node| node == bound));
         let binds = expression.binds.iter();
-        let mut binds = binds.filter(|bind| bind.mesh == mesh && is_meant(bind.node)).peekable();
-        if binds.peek().is_none() {
-            return Err(fail(format!("the expression \"{shown}\" does not move this mesh")));
-        }
-        for bind in binds {
-            let targets = weights.len();
-            let weight = weights.get_mut(bind.target).ok_or_else(|| {
-                let target = bind.target;
-                fail(format!(
+        let mut moves = false;
+        for bind in binds.filter(|bind| bind.mesh == mesh && is_meant(bind.node)) {
+            let (target, targets) = (bind.target, weights.len());
+            let weight = weights.get_mut(target).ok_or_else(|| {
+                wrong(format!(
                     "the expression \"{shown}\" moves target {target}, and the mesh has {targets} targets"
                 ))
             })?;
             *weight += self.strength * bind.weight;
+            moves = true;
         }
-        Ok(())
+        Ok(moves)
+    }
+
+    /// The error for an expression that moves none of the meshes that are meant.
+    pub(crate) fn moves_nothing(&self, meshes: &str) -> CliError {
+        wrong(format!(
+            "the expression \"{}\" does not move {meshes}",
+            Printable(&self.name)
+        ))
+    }
+}
+
+fn wrong(reason: String) -> CliError {
+    CliError::Flag {
+        flag: "--expression",
+        reason,
     }
 }
 

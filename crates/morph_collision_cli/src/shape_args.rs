@@ -196,7 +196,9 @@ impl ShapeArgs {
             None => mesh.weights_at_rest(),
         };
         for expression in &self.expression {
-            expression.add(file, index, &mut others)?;
+            if !expression.add(file, index, None, &mut others)? {
+                return Err(expression.moves_nothing("this mesh"));
+            }
         }
         let Some(WeightArg(list)) = &self.weights else {
             return Ok(others);

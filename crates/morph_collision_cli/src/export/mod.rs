@@ -12,6 +12,7 @@ mod text_formats;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use morph_collision_testkit::gltf_read::GltfFile;
 use morph_collision_testkit::gltf_write::to_glb_of_parts;
 use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::numbers::Grouped;
@@ -210,6 +211,7 @@ impl ExportArgs {
             let given = [
                 ("--mesh", shape.mesh != MeshChoice::default()),
                 ("--weights", shape.weights.is_some()),
+                ("--expression", !shape.expression.is_empty()),
                 ("--clip", shape.clip.is_some()),
             ];
             if let Some((flag, _)) = given.into_iter().find(|(_, given)| *given) {
@@ -261,9 +263,33 @@ impl ExportArgs {
                 }
             }
         }
+        self.express(&file, &found, &mut states)?;
         let mut bodies: Vec<_> = found.into_iter().map(|candidate| candidate.body).collect();
         number_names(&mut bodies);
         Ok((scene_of(bodies, vec![states]), 0))
+    }
+
+    /// Adds the weights of expressions below those that are given. Each has to move one of the meshes.
+    fn express(&self, file: &GltfFile, found: &[Candidate], states: &mut [BodyState]) -> Result<(), CliError> {
+        let expressions = &self.shape.expression;
+        let mut moved = vec![false; expressions.len()];
+        for (candidate, state) in found.iter().zip(states).filter(|_| !expressions.is_empty()) {
+            let seconds = state.time.unwrap_or_default();
+            let mut weights = candidate.weights(file, state.clip.as_deref(), seconds);
+            for (expression, moved) in expressions.iter().zip(&mut moved) {
+                let body = &candidate.body;
+                *moved |= expression.add(file, body.mesh, body.node, &mut weights)?;
+            }
+            let resolved = TargetNames::new(candidate.target_names()).resolve(&state.weights, weights);
+            state.weights = WeightList::All(resolved.map_err(|error| CliError::Flag {
+                flag: "--weights",
+                reason: error.to_string(),
+            })?);
+        }
+        match moved.iter().position(|moved| !moved) {
+            Some(still) => Err(expressions[still].moves_nothing("any of the meshes")),
+            None => Ok(()),
+        }
     }
 
     /// States with the weights that are given. If there are several meshes, each takes the names that it has.

@@ -19,12 +19,16 @@ use crate::output;
 /// All that is drawn, one subject for each skeleton or node tree. Of a node's instances, the first one counts.
 ///
 /// Meshes that cannot collide are left out with a warning.
+///
+/// # Errors
+/// The meshes of a group take too much memory as one, or nothing moves any of the meshes.
 pub(super) fn characters(
     args: &LintArgs,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
 ) -> Result<Vec<Subject>, CliError> {
     let mut subjects: Vec<Subject> = Vec::new();
+    let mut any_still = false;
     for group in groups(file, args.drawn.drawn(file)?) {
         match group[..] {
             [Drawn { mesh, node, .. }] => match subject(args, clip_files, file, mesh, node, None) {
@@ -37,10 +41,19 @@ pub(super) fn characters(
                 }
                 Err(error) => output::complain(format_args!("warning: left out: {error}")),
             },
-            _ => subjects.extend(character(args, clip_files, file, &group)?),
+            _ => match character(args, clip_files, file, &group)? {
+                Group::Moves(subject) => subjects.push(*subject),
+                Group::Still => any_still = true,
+                Group::Empty => {}
+            },
         }
     }
-    Ok(subjects)
+    match subjects.is_empty() && any_still {
+        true => Err(CliError::NothingTried {
+            file: file.path().to_owned(),
+        }),
+        false => Ok(subjects),
+    }
 }
 
 /// What is drawn, by skeleton or node tree.
@@ -83,13 +96,23 @@ struct Part {
     placement: Option<Skeleton>,
 }
 
-/// All meshes of a group as one; `None` if nothing moves them.
+/// The meshes of a skeleton or node tree.
+enum Group {
+    /// As one.
+    Moves(Box<Subject>),
+    /// Nothing moves them, so nothing can be tried.
+    Still,
+    /// None of them can collide.
+    Empty,
+}
+
+/// All meshes of a group as one.
 fn character(
     args: &LintArgs,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
     group: &[Drawn],
-) -> Result<Option<Subject>, CliError> {
+) -> Result<Group, CliError> {
     let mut parts: Vec<Part> = Vec::with_capacity(group.len());
     // Kept while further nodes show it.
     let mut last: Option<(usize, MorphMesh)> = None;
@@ -112,9 +135,12 @@ fn character(
         part.mesh.targets.iter().any(|target| !target.is_empty())
             || skeletons.any(|skeleton| !skeleton.clips.is_empty())
     };
-    let (Some(first), true) = (parts.first(), parts.iter().any(moves)) else {
-        return Ok(None);
+    let Some(first) = parts.first() else {
+        return Ok(Group::Empty);
     };
+    if !parts.iter().any(moves) {
+        return Ok(Group::Still);
+    }
     let index = first.member.mesh;
     if !share_a_place(&parts) {
         for part in &mut parts {
@@ -155,7 +181,7 @@ fn character(
         member.targets = targets;
     }
     subject.add_expressions(file);
-    Ok(Some(subject))
+    Ok(Group::Moves(Box::new(subject)))
 }
 
 /// Reads a part, or takes the mesh as it was read last. Also returns the mesh as it was read, if it comes again.

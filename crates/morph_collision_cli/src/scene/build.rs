@@ -74,6 +74,21 @@ impl Candidate {
         &self.shown.mesh.target_names
     }
 
+    /// Its weights at a time of a clip, or at rest.
+    pub(crate) fn weights(&self, file: &GltfFile, clip: Option<&str>, seconds: f32) -> Vec<f32> {
+        let Shown {
+            mesh,
+            placement,
+            broken,
+            ..
+        } = &*self.shown;
+        let choice = clip.and_then(|name| ClipChoice::find(name, file, mesh, placement.as_ref(), broken).ok());
+        match choice.and_then(|choice| mesh.animations.get(choice.weights?)) {
+            Some(clip) => clip.sample(seconds),
+            None => mesh.weights_at_rest(),
+        }
+    }
+
     /// The animations that move it.
     pub(crate) fn clips(&self) -> &[String] {
         &self.shown.clips

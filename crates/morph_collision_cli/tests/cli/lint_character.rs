@@ -155,6 +155,21 @@ fn meshes_of_other_trees_are_searched_alone() -> TestResult {
 }
 
 #[test]
+fn meshes_that_nothing_moves_are_nothing_to_try() -> TestResult {
+    let still = |gltf: &mut Value| {
+        for mesh in 0..2 {
+            let primitive = gltf["meshes"][mesh]["primitives"][0].as_object_mut();
+            primitive.expect("the file has this primitive").remove("targets");
+            gltf["meshes"][mesh]["extras"] = json!({});
+        }
+    };
+    let (_dir, path) = model(0.0, ["", ""], still)?;
+    let error = error_of(&lint(&path, &[])?);
+    assert!(error.contains("nothing was tried"), "{error}");
+    Ok(())
+}
+
+#[test]
 fn a_skinned_mesh_meets_what_hangs_on_its_skeleton() -> TestResult {
     let (_dir, path) = crate::skins::model()?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
@@ -253,6 +268,21 @@ fn a_query_can_show_an_expression() -> TestResult {
         let message = error_of(&morph_collide(all)?);
         assert!(message.contains(part), "{message}");
     }
+    let out = path.with_extension("obj");
+    let export = |args: &[&str]| {
+        let mut all = vec![
+            "export".as_ref(),
+            path.as_os_str(),
+            "--output".as_ref(),
+            out.as_os_str(),
+        ];
+        all.extend(args.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
+        Ok::<_, Box<dyn Error>>(stdout_of(&morph_collide(all)?))
+    };
+    let both = ["--mesh", "all", "--expression", "happy"];
+    assert!(export(&both)?.contains("2 of them touch others"));
+    let weaker = export(&[&both[..], &["--weights", "open=0.2"]].concat())?;
+    assert!(!weaker.contains("2 of them touch others"), "{weaker}");
     let alone = ["query", "--self", "--mesh", "1", "--expression", "blink"].map(AsRef::<std::ffi::OsStr>::as_ref);
     let message = error_of(&morph_collide(alone.into_iter().chain([path.as_os_str()]))?);
     assert!(message.contains("\"blink\" does not move this mesh"), "{message}");

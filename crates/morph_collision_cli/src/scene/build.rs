@@ -11,7 +11,7 @@ use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_testkit::skeleton::Skeleton;
 
 use crate::clip_files::ClipFiles;
-use crate::clips::{BrokenClips, NoClip, clip_names, read_clips};
+use crate::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::{FrameTimes, time_in_clip};

@@ -258,8 +258,8 @@ fn a_query_can_show_an_expression() -> TestResult {
     assert_eq!(hit(&["--expression", "happy", "--weights", "open=0"])?, Some(500.0));
     for (args, part) in [
         (
-            ["--expression", "hapy"],
-            "there is no expression \"hapy\"; did you mean \"happy\"",
+            ["--expression", "happi"],
+            "there is no expression \"happi\"; did you mean \"happy\"",
         ),
         (["--expression", "happy=x"], "NAME=STRENGTH"),
     ] {

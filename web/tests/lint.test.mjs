@@ -82,7 +82,7 @@ test("the options of the form are those of the command", async () => {
   await drop(page, resolve("assets/mh_character_low.glb"), ".lint");
   await finished(page, 2);
   // Without the options, and with two of them. It is skinned, so there is no proof.
-  assert.match(await what(page), /^mh_character_low\.glb: 36 findings in 578 shapes/);
+  assert.match(await what(page), /^mh_character_low\.glb: 36 findings in 582 shapes/);
   const without = await report(page);
   assert.doesNotMatch(without.text, /it clips at/);
   for (const name of ["suggest", "prove"]) await page.click(`.lint input[name=${name}]`);

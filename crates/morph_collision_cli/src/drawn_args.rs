@@ -79,3 +79,17 @@ impl DrawnArgs {
         })
     }
 }
+
+/// Says on standard error if a mesh is taken that the default scene does not draw, although it draws others.
+pub(crate) fn note_if_not_drawn(file: &GltfFile, mesh: usize) {
+    let drawing = file.budget().lend(|| file.drawing(Extent::DefaultScene));
+    let Ok(drawing) = drawing else { return };
+    let first = drawing.drawn.first().map(|drawn| drawn.mesh);
+    if let Some(first) = first.filter(|_| drawing.drawn.iter().all(|drawn| drawn.mesh != mesh)) {
+        let (file, name) = (file.path().display(), file.mesh_name(mesh));
+        let name = Printable(&name);
+        output::complain(format_args!(
+            "note: {file}: the scene does not draw mesh {mesh} \"{name}\"; the first mesh that it draws is {first}, and --mesh chooses one"
+        ));
+    }
+}

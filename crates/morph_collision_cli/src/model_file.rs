@@ -18,6 +18,7 @@ use morph_collision_testkit::scenes::Scene;
 use morph_collision_testkit::unweighted::Unweighted;
 
 use crate::clips::ToldClips;
+use crate::drawn_args::note_if_not_drawn;
 use crate::error::CliError;
 use crate::{left_out, output, progress};
 
@@ -110,6 +111,7 @@ impl FileArgs {
     ) -> Result<(GltfFile, usize, MorphMesh), CliError> {
         let file = self.open(model)?;
         let index = mesh.find(&file).map_err(|reason| CliError::Flag { flag, reason })?;
+        note_if_not_drawn(&file, index);
         let mesh = read_mesh(&file, index, None)?;
         Ok((file, index, mesh))
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use morph_collision_testkit::gltf_read::{Expression, GltfFile};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::mesh::{MorphMesh, WeightAnimation};
 
 use super::members::Member;
 use super::report::JoinedMesh;
@@ -100,7 +100,7 @@ impl Subject {
         let clips = &self.mesh.animations;
         let name = clip.and_then(|clip| Some(&clips.get(clip)?.name));
         let same = clips.iter().filter(|clip| Some(&clip.name) == name);
-        same.map(|clip| clip.duration()).fold(0.0, f32::max)
+        same.map(WeightAnimation::duration).fold(0.0, f32::max)
     }
 
     /// The meshes that it consists of, if there are several.

@@ -12,7 +12,7 @@ use morph_collision_testkit::skeleton::Skeleton;
 
 use crate::clip_files::ClipFiles;
 use crate::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
-use crate::drawn_args::DrawnArgs;
+use crate::drawn_args::{DrawnArgs, note_if_not_drawn};
 use crate::error::CliError;
 use crate::frame_times::{FrameTimes, time_in_clip};
 use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_mesh, show_with};
@@ -206,6 +206,7 @@ fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> 
         file: spec.file.clone(),
         reason,
     })?;
+    note_if_not_drawn(file, mesh);
     if !nodes {
         return Ok(vec![alone(mesh, None)]);
     }
@@ -240,19 +241,27 @@ fn of_one_mesh(
     mesh.triangles = Vec::new();
     mesh.targets.iter_mut().for_each(|target| *target = Vec::new());
     let mut found: Vec<Candidate> = Vec::new();
-    let mut rigid = None;
+    let mut has_one_in_own_space = false;
     for &Drawn { node, instance, .. } in of_mesh {
-        if let (Some(last), Some(1..)) = (found.last(), instance) {
-            let mut body = last.body.clone();
-            body.instance = instance;
-            let shown = Rc::clone(&last.shown);
-            found.push(Candidate { body, shown });
+        if let Some(1..) = instance {
+            if let Some(last) = found.last().filter(|_| nodes) {
+                let mut body = last.body.clone();
+                body.instance = instance;
+                let shown = Rc::clone(&last.shown);
+                found.push(Candidate { body, shown });
+            }
             continue;
         }
         let mut mesh = mesh.clone();
         show_with(file, index, node, &mut mesh)?;
-        if mesh.skin.is_none() && !nodes && rigid.replace(index).is_some() {
-            continue;
+        let is_in_own_space = mesh.skin.is_none() && !nodes;
+        // It is not where the node is, so the node's weights and clips do not count, either.
+        let node = node.filter(|_| !is_in_own_space);
+        if is_in_own_space {
+            if std::mem::replace(&mut has_one_in_own_space, true) {
+                continue;
+            }
+            show_with(file, index, None, &mut mesh)?;
         }
         if let Some(skin) = &mut mesh.skin {
             skin.sets = Vec::new();
@@ -265,7 +274,7 @@ fn of_one_mesh(
             let lent = clip_files.lend(clip, file, (index, node), &mut mesh, placement.as_mut());
             lent.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
         }
-        let is_named = nodes || (mesh.skin.is_some() && of_mesh.len() > 1);
+        let is_named = nodes || of_mesh.len() > 1 || node != file.main_node(index);
         let node = node.filter(|_| is_named);
         let body = SceneBody {
             model: spec.file.clone(),

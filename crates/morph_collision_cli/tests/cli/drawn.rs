@@ -143,3 +143,72 @@ fn a_scene_that_does_not_exist_is_an_error_with_a_hint() -> TestResult {
     assert!(error.contains("--scene: --mesh names a mesh"), "{error}");
     Ok(())
 }
+
+/// `one_mesh_three_skins.glb` with a second scene, which draws the third limb.
+fn two_scenes(dir: &Path) -> Result<PathBuf, Box<dyn std::error::Error>> {
+    let glb = std::fs::read(data("one_mesh_three_skins.glb"))?;
+    let length = u32::from_le_bytes(glb[12..16].try_into()?) as usize;
+    let mut json: Value = serde_json::from_slice(&glb[20..20 + length])?;
+    json["scenes"] = json!([{"nodes": [0, 1]}, {"nodes": [4, 5]}]);
+    json["buffers"][0]["uri"] = json!("limbs.bin");
+    std::fs::write(dir.join("limbs.bin"), &glb[20 + length + 8..])?;
+    let path = dir.join("limbs.gltf");
+    std::fs::write(&path, json.to_string())?;
+    Ok(path)
+}
+
+#[test]
+fn a_body_of_another_scene_has_the_skin_with_which_that_scene_draws_it() -> TestResult {
+    let dir = tempfile::tempdir()?;
+    let model = format!("{}#all", two_scenes(dir.path())?.display());
+    let made = dir.path().join("made.json");
+    let out = made.to_str().ok_or("not UTF-8")?;
+    let made_it = morph_collide(["scene", &model, "--scene", "1", "--output", out])?;
+    assert!(made_it.status.success());
+    let scene: Value = serde_json::from_slice(&std::fs::read(&made)?)?;
+    assert_eq!(scene["bodies"][0]["node"], 5);
+    let obj = dir.path().join("posed.obj");
+    let obj_name = obj.to_str().ok_or("not UTF-8")?;
+    stdout_of(&morph_collide(["export", out, "--output", obj_name])?);
+    let text = std::fs::read_to_string(&obj)?;
+    let xs = text.lines().filter_map(|line| line.strip_prefix("v "));
+    let xs: Vec<f32> = xs.filter_map(|line| line.split(' ').next()?.parse().ok()).collect();
+    assert!(xs.iter().all(|x| (9.0..11.0).contains(x)), "{xs:?}");
+    Ok(())
+}
+
+#[test]
+fn without_transforms_of_nodes_a_mesh_with_instances_is_one_body() -> TestResult {
+    let dir = tempfile::tempdir()?;
+    let model = format!("{}#all", data("gpu_instancing.glb").display());
+    let made = dir.path().join("made.json");
+    let out = made.to_str().ok_or("not UTF-8")?;
+    stdout_of(&morph_collide(["scene", &model, "--output", out])?);
+    let scene: Value = serde_json::from_slice(&std::fs::read(&made)?)?;
+    assert_eq!(scene["bodies"].as_array().map(Vec::len), Some(1));
+    stdout_of(&morph_collide(["run", out])?);
+    Ok(())
+}
+
+#[test]
+fn a_mesh_that_the_scene_does_not_draw_is_taken_with_a_note() -> TestResult {
+    let model = data("mesh_without_a_node.glb");
+    let args = [
+        "query".as_ref(),
+        model.as_os_str(),
+        "--self".as_ref(),
+        "--mesh".as_ref(),
+        "1".as_ref(),
+    ];
+    let output = morph_collide(args)?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success());
+    assert!(
+        said.contains("the scene does not draw mesh 1 \"no_node\"; the first mesh that it draws is 0"),
+        "{said}"
+    );
+    stdout_of(&morph_collide(
+        [&args[..3], &["--mesh".as_ref(), "0".as_ref()]].concat(),
+    )?);
+    Ok(())
+}

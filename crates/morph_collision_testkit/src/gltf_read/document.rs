@@ -218,9 +218,9 @@ pub(super) struct Node {
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct NodeExtensions {
     #[serde(rename = "EXT_mesh_gpu_instancing")]
-    pub(super) instancing: Option<Instancing>,
+    pub(super) instancing: Option<Element<Instancing>>,
     #[serde(rename = "KHR_node_visibility")]
-    visibility: Option<Visibility>,
+    visibility: Option<Element<Visibility>>,
 }
 
 /// A node that shows its mesh several times.
@@ -247,9 +247,10 @@ struct Visibility {
 
 impl Node {
     /// Whether the node hides itself and everything below it at rest.
-    pub(super) fn is_hidden(&self) -> bool {
+    pub(super) fn is_hidden(&self, budget: &MemoryBudget) -> Result<bool, ElementError> {
         let visibility = self.extensions.visibility.as_ref();
-        visibility.is_some_and(|visibility| visibility.visible == Some(false))
+        let visibility = visibility.map(|visibility| visibility.get(budget)).transpose()?;
+        Ok(visibility.is_some_and(|visibility| visibility.visible == Some(false)))
     }
 }
 

@@ -52,7 +52,8 @@ impl GltfFile {
             .budget
             .take(count as u64, bytes as u64, || format!("its {count} instances"));
         take.map_err(NodeProblem::OverBudget)?;
-        let (mut translations, mut rotations, mut scales) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut translations, mut scales) = (Vec::<Vec3>::new(), Vec::<Vec3>::new());
+        let mut rotations: Vec<Vec4> = Vec::new();
         if let Some(opened) = &places.translations {
             opened.append_vec3(&mut translations).map_err(at("TRANSLATION"))?;
         }
@@ -62,8 +63,18 @@ impl GltfFile {
         if let Some(opened) = &places.scales {
             opened.append_vec3(&mut scales).map_err(at("SCALE"))?;
         }
+        let not_finite = [
+            ("TRANSLATION", translations.iter().position(|value| !value.is_finite())),
+            ("ROTATION", rotations.iter().position(|value| !value.is_finite())),
+            ("SCALE", scales.iter().position(|value| !value.is_finite())),
+        ];
+        for (attribute, bad) in not_finite {
+            if let Some(instance) = bad {
+                return Err(NodeProblem::NotFinite { attribute, instance });
+            }
+        }
         let place = |instance: usize| {
-            let rotation: Option<&Vec4> = rotations.get(instance);
+            let rotation = rotations.get(instance);
             Affine3A::from_scale_rotation_translation(
                 scales.get(instance).copied().unwrap_or(Vec3::ONE),
                 // Stored integers are only nearly of length 1.
@@ -78,10 +89,10 @@ impl GltfFile {
 
     fn places(&self, node: usize) -> Result<Option<Places<'_>>, NodeProblem> {
         let json = self.root.nodes.get(node, &self.budget).map_err(NodeProblem::Element)?;
-        let Some(Instancing { attributes }) = json.extensions.instancing.as_ref().filter(|_| json.skin.is_none())
-        else {
+        let Some(instancing) = json.extensions.instancing.as_ref().filter(|_| json.skin.is_none()) else {
             return Ok(None);
         };
+        let Instancing { attributes } = instancing.get(&self.budget).map_err(NodeProblem::Extension)?;
         let mut first: Option<(&'static str, usize)> = None;
         let mut open = |attribute: &'static str, accessor: Option<usize>, form: &Form| {
             let Some(accessor) = accessor else { return Ok(None) };

@@ -73,14 +73,15 @@ impl GltfFile {
 
     fn find_main_nodes(&self) -> HashMap<usize, usize> {
         let mut found: HashMap<usize, (usize, [bool; 2])> = HashMap::new();
-        let is_in = self
-            .default_scene()
-            .map(|scene| self.nodes_in(scene).unwrap_or_default());
+        let is_in = match self.default_scene() {
+            Some(scene) => self.nodes_in(scene).unwrap_or_default(),
+            None => self.visible_nodes(),
+        };
         for node in self.root.nodes.indices() {
             let Some((mesh, json)) = self.node_json(node).and_then(|json| Some((json.mesh?, json))) else {
                 continue;
             };
-            let is_drawn = is_in.as_ref().is_none_or(|is_in| is_in.get(node) == Some(&true));
+            let is_drawn = is_in.get(node) == Some(&true);
             let rank = [is_drawn, json.skin.is_some()];
             let best = found.entry(mesh).or_insert((node, rank));
             if rank > best.1 {

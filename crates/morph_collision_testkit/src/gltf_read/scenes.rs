@@ -78,12 +78,14 @@ impl GltfFile {
         self.budget
             .take(nodes, 32, || format!("the list of its {nodes} nodes"))
             .map_err(over)?;
-        let is_in = match scene {
-            Some(scene) => self.nodes_in(scene)?,
-            None => vec![true; self.root.nodes.len()],
+        let is_in = match (scene, extent) {
+            (Some(scene), _) => self.nodes_in(scene)?,
+            (None, Extent::Everything) => vec![true; self.root.nodes.len()],
+            (None, _) => self.visible_nodes(),
         };
         let mut drawing = Drawing::default();
-        let mut is_drawn = vec![false; self.root.meshes.len()];
+        // For each mesh, whether any node shows it.
+        let mut is_shown = vec![false; self.root.meshes.len()];
         for (node, is_in) in is_in.into_iter().enumerate() {
             let json = match self.root.nodes.get(node, &self.budget) {
                 Ok(json) => json,
@@ -94,6 +96,9 @@ impl GltfFile {
                 }
             };
             let Some(mesh) = json.mesh else { continue };
+            if let Some(is_shown) = is_shown.get_mut(mesh) {
+                *is_shown = true;
+            }
             if !is_in {
                 drawing.nodes_left_out += 1;
                 continue;
@@ -105,6 +110,12 @@ impl GltfFile {
                     instance,
                 });
             };
+            if let Err(problem) = json.is_hidden(&self.budget) {
+                drawing
+                    .broken
+                    .push(self.node_error(node, NodeProblem::Extension(problem)));
+                continue;
+            }
             match self.instance_count(node) {
                 Ok(None) => add(None),
                 Ok(Some(count)) => {
@@ -116,19 +127,22 @@ impl GltfFile {
                 }
                 Err(problem) => drawing.broken.push(self.node_error(node, problem)),
             }
-            if let Some(is_drawn) = is_drawn.get_mut(mesh) {
+        }
+        let mut is_drawn = vec![false; is_shown.len()];
+        for drawn in &drawing.drawn {
+            if let Some(is_drawn) = is_drawn.get_mut(drawn.mesh) {
                 *is_drawn = true;
             }
         }
-        for (mesh, is_drawn) in is_drawn.into_iter().enumerate() {
-            match scene {
+        for (mesh, (is_shown, is_drawn)) in is_shown.into_iter().zip(is_drawn).enumerate() {
+            match (scene, is_shown) {
                 _ if is_drawn => {}
-                None => drawing.drawn.push(Drawn {
+                (None, false) => drawing.drawn.push(Drawn {
                     mesh,
                     node: None,
                     instance: None,
                 }),
-                Some(_) => drawing.meshes_left_out += 1,
+                _ => drawing.meshes_left_out += 1,
             }
         }
         // The nodes are in order already.
@@ -145,22 +159,39 @@ impl GltfFile {
             problem,
         })?;
         let mut is_in = vec![false; self.root.nodes.len()];
+        self.mark(&json.nodes, true, &mut is_in);
+        Ok(is_in)
+    }
+
+    /// For each node, whether neither it nor a node above it is hidden.
+    pub(super) fn visible_nodes(&self) -> Vec<bool> {
+        let mut is_visible = vec![true; self.root.nodes.len()];
+        for node in self.root.nodes.indices() {
+            let json = self.root.nodes.get(node, &self.budget);
+            if json.is_ok_and(|json| json.is_hidden(&self.budget) == Ok(true)) {
+                self.mark(&[node], false, &mut is_visible);
+            }
+        }
+        is_visible
+    }
+
+    /// Marks some nodes and all below them that are not marked so far. Of nodes that get the mark `true`, hidden ones are left out.
+    fn mark(&self, nodes: &[usize], mark: bool, marks: &mut [bool]) {
         // Each node is entered once, also if the file says that it is below itself.
-        let mut waiting: Vec<&[usize]> = vec![&json.nodes];
+        let mut waiting: Vec<&[usize]> = vec![nodes];
         while let Some(siblings) = waiting.pop() {
             for &node in siblings {
-                let Some(entered) = is_in.get_mut(node).filter(|entered| !**entered) else {
+                let Some(entered) = marks.get_mut(node).filter(|entered| **entered != mark) else {
                     continue;
                 };
                 let Ok(json) = self.root.nodes.get(node, &self.budget) else {
                     continue;
                 };
-                if !json.is_hidden() {
-                    *entered = true;
+                if !mark || json.is_hidden(&self.budget) != Ok(true) {
+                    *entered = mark;
                     waiting.push(&json.children);
                 }
             }
         }
-        Ok(is_in)
     }
 }

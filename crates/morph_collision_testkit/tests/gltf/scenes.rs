@@ -85,6 +85,27 @@ fn a_hidden_node_hides_everything_below_it() -> Result<(), ReadError> {
 }
 
 #[test]
+fn without_scenes_hidden_nodes_are_left_out_and_broken_extensions_spoil_only_their_node() -> Result<(), ReadError> {
+    let mut document = nodes();
+    document.json["nodes"] = json!([{"children": [1]}, {"mesh": 0}, {"mesh": 1}, {"mesh": 2}]);
+    document.json["nodes"][0]["extensions"] = json!({"KHR_node_visibility": {"visible": false}});
+    document.json["nodes"][3]["extensions"] = json!({"KHR_node_visibility": {"visible": 1}});
+    let (_directory, file) = document.open()?;
+    let drawing = file.drawing(Extent::DefaultScene)?;
+    assert_eq!(drawn(&drawing), [(1, Some(2), None)]);
+    assert_eq!((drawing.meshes_left_out, drawing.nodes_left_out), (2, 1));
+    let broken: Vec<String> = drawing.broken.iter().map(ToString::to_string).collect();
+    assert_eq!(broken.len(), 1, "{broken:?}");
+    assert!(
+        broken[0].contains("node 3 \"node_3\": an extension of it is malformed: visible: invalid type"),
+        "{broken:?}"
+    );
+    // Nodes are placed as if the extension were not there.
+    assert_eq!(file.world_from_node(1, 2)?, Affine3A::IDENTITY);
+    Ok(())
+}
+
+#[test]
 fn instances_are_placed_in_the_space_of_their_node() -> Result<(), ReadError> {
     let mut document = nodes();
     document.json["nodes"] = json!([{"mesh": 0, "translation": [0, 0, 5]}]);
@@ -138,6 +159,15 @@ fn broken_and_enormous_instances_spoil_only_their_node() -> Result<(), ReadError
     let (_, error) = broken(&|document| document.floats("SCALAR", &[1.; 3]), "ROTATION")?;
     let error = error.expect_err("the shape is wrong");
     assert!(error.contains("ROTATION of its instances: "), "{error}");
+    let (_, error) = broken(
+        &|document| document.floats("VEC3", &[1., 1., 1., 1., 1., f32::NAN, 1., 1., 1.]),
+        "SCALE",
+    )?;
+    let error = error.expect_err("a scale is not finite");
+    assert!(
+        error.contains("node 1 \"node_1\": SCALE of its instance 1 is not finite"),
+        "{error}"
+    );
     // An accessor without data may claim any count.
     let enormous = |document: &mut Document| {
         let accessors = document.list("accessors");

@@ -8,6 +8,17 @@ pub enum NodeProblem {
     /// The node's JSON is missing or malformed.
     #[error("it {0}")]
     Element(ElementError),
+    /// An extension that says how it shows its mesh is malformed.
+    #[error("an extension of it {0}")]
+    Extension(ElementError),
+    /// An instance has no place.
+    #[error("{attribute} of its instance {instance} is not finite")]
+    NotFinite {
+        /// What is not finite.
+        attribute: &'static str,
+        /// The instance.
+        instance: usize,
+    },
     /// What places its instances cannot be decoded.
     #[error("{attribute} of its instances: {problem}")]
     Instances {
@@ -37,9 +48,9 @@ impl NodeProblem {
     pub(super) fn remedy(&self) -> Option<Remedy> {
         match self {
             Self::OverBudget(_) => Some(Remedy::MoreMemory),
-            Self::Element(problem) => problem.remedy(),
+            Self::Element(problem) | Self::Extension(problem) => problem.remedy(),
             Self::Instances { problem, .. } => problem.remedy(),
-            Self::InstanceCount { .. } => None,
+            Self::InstanceCount { .. } | Self::NotFinite { .. } => None,
         }
     }
 }

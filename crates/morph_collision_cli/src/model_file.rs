@@ -225,6 +225,18 @@ pub(crate) fn show_with(
     Ok(())
 }
 
+/// Refuses a mesh with bad triangles or vertices, which would refuse all meshes that it is joined with.
+///
+/// # Errors
+/// What is wrong with the first of them.
+pub(crate) fn check_parts(file: &GltfFile, index: usize, mesh: &MorphMesh) -> Result<(), CliError> {
+    let bad = mesh.bad_parts();
+    match bad.map(|bad| bad.first().cloned()) {
+        Ok(None) => Ok(()),
+        Ok(Some(reason)) | Err(reason) => Err(mesh_error(file, index, reason.into())),
+    }
+}
+
 /// Leaves out the triangles of a skinned mesh that have a vertex without joint weights, and says so.
 ///
 /// # Errors

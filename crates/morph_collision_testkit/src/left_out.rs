@@ -78,16 +78,28 @@ impl Display for LeftOut {
 }
 
 impl MorphMesh {
+    /// Finds the bad triangles and vertices. Cost: one pass over all of the mesh.
+    ///
+    /// # Errors
+    /// [`ModelError`] if lists have different lengths or are too long.
+    pub fn bad_parts(&self) -> Result<BadParts, ModelError> {
+        // They keep the numbers of the others right.
+        let any_empty = self.targets.iter().any(Vec::is_empty);
+        let zeros = vec![Vec3::ZERO; if any_empty { self.positions.len() } else { 0 }];
+        let in_full = self.targets.iter();
+        let in_full = in_full.map(|target| if target.is_empty() { &zeros } else { target });
+        let targets: Vec<&[Vec3]> = in_full.map(Vec::as_slice).collect();
+        let influences = self.skin.as_ref().map(|skin| (skin.joint_count(), skin.influences()));
+        let skin = influences.as_ref().map(|(joints, sets)| (*joints, &sets[..]));
+        BadParts::find(&self.positions, &self.triangles, &targets, skin)
+    }
+
     /// Removes bad triangles, and makes bad vertices equal to a good one. Vertices keep their numbers; the triangles after a bad one do not.
     ///
     /// # Errors
     /// [`ModelError`] if lists have different lengths or are too long.
     pub fn leave_out_bad_parts(&mut self) -> Result<BadParts, ModelError> {
-        let stored = self.targets.iter().filter(|target| !target.is_empty());
-        let targets: Vec<&Vec<Vec3>> = stored.collect();
-        let influences = self.skin.as_ref().map(|skin| (skin.joint_count(), skin.influences()));
-        let skin = influences.as_ref().map(|(joints, sets)| (*joints, &sets[..]));
-        let bad = BadParts::find(&self.positions, &self.triangles, &targets, skin)?;
+        let bad = self.bad_parts()?;
         bad.mend(&mut self.positions);
         self.targets.iter_mut().for_each(|target| bad.mend(target));
         for set in self.skin.iter_mut().flat_map(|skin| &mut skin.sets) {

@@ -13,7 +13,7 @@ use super::subject::Subject;
 use crate::clip_files::ClipFiles;
 use crate::clips::{BrokenClips, read_clips};
 use crate::error::CliError;
-use crate::model_file::{count_memory, read_mesh, show_with};
+use crate::model_file::{check_parts, count_memory, read_mesh, show_with};
 use crate::output;
 
 /// All that is drawn, one subject for each skeleton or node tree. Of a node's instances, the first one counts.
@@ -117,7 +117,8 @@ fn character(
     // Kept while further nodes show it.
     let mut last: Option<(usize, MorphMesh)> = None;
     for (place, drawn) in group.iter().enumerate() {
-        let comes_again = group.get(place + 1).is_some_and(|next| next.mesh == drawn.mesh);
+        // What is left out of it depends on its skin, so it is read again for each node.
+        let comes_again = !file.skips_bad() && group.get(place + 1).is_some_and(|next| next.mesh == drawn.mesh);
         let known = last.as_ref().filter(|(mesh, _)| *mesh == drawn.mesh);
         match part(args, clip_files, file, drawn, known.map(|(_, mesh)| mesh), comes_again) {
             Ok((part, whole)) => {
@@ -214,6 +215,7 @@ fn part(
     let broken = read_clips(&args.files, file, index, node, &mut mesh, placement.as_ref());
     lend_clips(args, clip_files, file, (index, node), &mut mesh, placement.as_mut())?;
     let (member, left_out) = member(file, index, node, &mut mesh)?;
+    check_parts(file, index, &mesh)?;
     let part = Part {
         member,
         left_out,

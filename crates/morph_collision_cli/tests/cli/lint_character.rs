@@ -196,9 +196,74 @@ fn a_character_that_takes_too_much_memory_says_which_option_helps() -> TestResul
     for limit in limits {
         let output = lint(&path, &["--memory-limit", &limit.to_string()])?;
         if output.status.code() == Some(2) {
-            assert!(error_of(&output).contains("memory-limit"));
+            let error = error_of(&output);
+            assert!(error.contains("memory-limit"), "{error}");
+            if error.contains("the other meshes of its skeleton or node tree") {
+                assert!(error.contains("--mesh takes one mesh"), "{error}");
+            }
         }
     }
+    Ok(())
+}
+
+#[test]
+fn a_bad_mesh_of_a_character_is_left_out_and_named() -> TestResult {
+    let [jaw, teeth] = meshes(1.0);
+    let mut tongue = RawMesh::triangle("tongue");
+    tongue.positions[1][2] = f32::NAN;
+    let dir = tempdir()?;
+    let path = write_gltf(dir.path(), "face.gltf", &[jaw, teeth, tongue])?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    for mesh in 0..3 {
+        gltf["meshes"][mesh]["extras"] = json!({ "targetNames": ["open"] });
+    }
+    gltf["scenes"] = json!([{ "nodes": [0] }]);
+    gltf["nodes"] = json!([{ "children": [1, 2, 3] }, { "mesh": 0 }, { "mesh": 1 }, { "mesh": 2 }]);
+    std::fs::write(&path, gltf.to_string())?;
+    let output = lint(&path, &[QUICK, &["--json"]].concat())?;
+    let warning = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        warning.contains("warning: left out: ")
+            && warning.contains("mesh 2 \"tongue\": ")
+            && warning.contains("vertex 1"),
+        "{warning}"
+    );
+    // The others are searched; before, nothing was.
+    let report: Value = serde_json::from_slice(&output.stdout)?;
+    assert_eq!(findings(&report).len(), 1);
+    assert_eq!(report["meshes"][0]["joined"].as_array().map(Vec::len), Some(2));
+    Ok(())
+}
+
+#[test]
+fn a_bad_skinned_mesh_that_two_nodes_show_is_mended_for_both() -> TestResult {
+    let whole = std::fs::read(crate::support::field("c34_nan_weight_of_one_vertex.glb"))?;
+    let length =
+        |at: usize| -> Result<usize, Box<dyn Error>> { Ok(u32::from_le_bytes(whole[at..at + 4].try_into()?) as usize) };
+    let (json_bytes, binary) = whole[20..].split_at(length(12)?);
+    let mut gltf: Value = serde_json::from_slice(json_bytes)?;
+    let nodes = gltf["nodes"].as_array_mut().ok_or("no nodes")?;
+    let shows = nodes.iter().find(|node| node.get("mesh").is_some());
+    let mut copy = shows.ok_or("no mesh is shown")?.clone();
+    copy["name"] = json!("copy");
+    nodes.push(copy);
+    let added = nodes.len() - 1;
+    gltf["scenes"][0]["nodes"]
+        .as_array_mut()
+        .ok_or("no scene")?
+        .push(json!(added));
+    gltf["buffers"][0]["uri"] = json!("c34.bin");
+    let dir = tempdir()?;
+    std::fs::write(dir.path().join("c34.bin"), &binary[8..])?;
+    let path = dir.path().join("c34.gltf");
+    std::fs::write(&path, gltf.to_string())?;
+    let output = lint(&path, &[QUICK, &["--skip-bad", "--json"]].concat())?;
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    // The second one had the skin of the file, with its NaN, and `lint` ended with an error.
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{complaint}");
+    let report: Value = serde_json::from_slice(&output.stdout)?;
+    assert_eq!(report["meshes"][0]["joined"].as_array().map(Vec::len), Some(2));
+    assert_eq!(report["meshes"][0]["triangles"], 2 * (68 - 6));
     Ok(())
 }
 

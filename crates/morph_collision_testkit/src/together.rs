@@ -2,7 +2,7 @@
 //!
 //! [`joined`](crate::joined) is about two meshes of different files.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::Vec3;
 use thiserror::Error;
@@ -84,7 +84,7 @@ impl Together {
         budget.take(vertices as u64, bytes, what)?;
         budget.take(triangles as u64, 12, what)?;
 
-        let skin = skin(&parts)?;
+        let skin = skin(&parts, budget)?;
         let weights_at_rest: Vec<Vec<f32>> = parts.iter().map(MorphMesh::weights_at_rest).collect();
         let mut mesh = MorphMesh {
             name: match &parts[..] {
@@ -119,7 +119,7 @@ impl Together {
             let ranges = part.primitives.into_iter();
             mesh.primitives
                 .extend(ranges.map(|range| range.start + triangle..range.end + triangle));
-            for clip in first_of_each_name(part.animations, |clip| &clip.name) {
+            for clip in first_of_each_name(part.animations) {
                 mesh.animations.push(clip);
                 clip_targets.push(targets.clone());
             }
@@ -137,9 +137,11 @@ impl Together {
 fn plan(parts: &[MorphMesh]) -> (Vec<Planned>, Vec<Vec<usize>>) {
     let mut planned: Vec<Planned> = Vec::new();
     let mut of_name: HashMap<&str, Vec<usize>> = HashMap::new();
+    let clips: Vec<ClipsByName<'_>> = parts.iter().map(clips_by_name).collect();
     let mut targets: Vec<Vec<usize>> = Vec::with_capacity(parts.len());
     for (part, mesh) in parts.iter().enumerate() {
         let mut own: Vec<usize> = Vec::with_capacity(mesh.targets.len());
+        let mut taken: HashSet<usize> = HashSet::new();
         for target in 0..mesh.targets.len() {
             let name = mesh.target_names.get(target).map_or("", String::as_str);
             let known = of_name.entry(name).or_default();
@@ -149,9 +151,14 @@ fn plan(parts: &[MorphMesh]) -> (Vec<Planned>, Vec<Vec<usize>>) {
                     target: as_target,
                     ..
                 } = planned[other];
-                of != part && !own.contains(&other) && move_alike([&parts[of], mesh], [as_target, target])
+                let at_rest =
+                    |mesh: &MorphMesh, target: usize| mesh.default_weights.get(target).copied().unwrap_or(0.0);
+                of != part
+                    && !taken.contains(&other)
+                    && at_rest(&parts[of], as_target) == at_rest(mesh, target)
+                    && move_alike([&clips[of], &clips[part]], [as_target, target])
             });
-            own.push(same.unwrap_or_else(|| {
+            let number = same.unwrap_or_else(|| {
                 let leader = known.first().copied().unwrap_or(planned.len());
                 planned.push(Planned {
                     name: match leader == planned.len() {
@@ -164,23 +171,33 @@ fn plan(parts: &[MorphMesh]) -> (Vec<Planned>, Vec<Vec<usize>>) {
                 });
                 known.push(planned.len() - 1);
                 planned.len() - 1
-            }));
+            });
+            taken.insert(number);
+            own.push(number);
         }
         targets.push(own);
     }
     (planned, targets)
 }
 
-/// Whether two targets have the same weights at rest and in all clips.
-fn move_alike(meshes: [&MorphMesh; 2], targets: [usize; 2]) -> bool {
-    let at_rest = |i: usize| meshes[i].default_weights.get(targets[i]).copied().unwrap_or(0.0);
-    let of_name = |i: usize, name: &str| meshes[i].animations.iter().find(|clip| clip.name == name);
-    let clips = || meshes.iter().flat_map(|mesh| &mesh.animations);
-    at_rest(0) == at_rest(1)
-        && clips().all(|clip| match [0, 1].map(|i| of_name(i, &clip.name)) {
-            [Some(one), Some(other)] => have_same_track([one, other], targets),
-            _ => false,
-        })
+/// The first clip of each name. Later ones cannot be chosen by it.
+type ClipsByName<'m> = HashMap<&'m str, &'m WeightAnimation>;
+
+fn clips_by_name(mesh: &MorphMesh) -> ClipsByName<'_> {
+    let mut clips = HashMap::new();
+    for clip in &mesh.animations {
+        clips.entry(&*clip.name).or_insert(clip);
+    }
+    clips
+}
+
+/// Whether two targets have the same weights in all clips of their meshes.
+fn move_alike([one, other]: [&ClipsByName<'_>; 2], targets: [usize; 2]) -> bool {
+    let same = |(name, clip): (&&str, &&WeightAnimation)| {
+        let other = other.get(name);
+        other.is_some_and(|other| have_same_track([clip, other], targets))
+    };
+    one.len() == other.len() && one.iter().all(same)
 }
 
 fn have_same_track([one, other]: [&WeightAnimation; 2], [of_one, of_other]: [usize; 2]) -> bool {
@@ -194,19 +211,15 @@ fn have_same_track([one, other]: [&WeightAnimation; 2], [of_one, of_other]: [usi
         && tangents.into_iter().all(|(a, b)| same(a, b))
 }
 
-/// Later clips of the same name cannot be chosen by it.
-fn first_of_each_name<C>(clips: Vec<C>, name: impl Fn(&C) -> &String) -> Vec<C> {
-    let mut kept: Vec<C> = Vec::with_capacity(clips.len());
-    for clip in clips {
-        if !kept.iter().any(|known| name(known) == name(&clip)) {
-            kept.push(clip);
-        }
-    }
-    kept
+/// Without later clips of the same name.
+fn first_of_each_name(mut clips: Vec<WeightAnimation>) -> Vec<WeightAnimation> {
+    let mut known = HashSet::new();
+    clips.retain(|clip| known.insert(clip.name.clone()));
+    clips
 }
 
 /// The skin of the whole, if the parts have skins.
-fn skin(parts: &[MorphMesh]) -> Result<Option<MeshSkin>, TogetherError> {
+fn skin(parts: &[MorphMesh], budget: &MemoryBudget) -> Result<Option<MeshSkin>, TogetherError> {
     let Some(with) = parts.iter().find(|part| part.skin.is_some()) else {
         return Ok(None);
     };
@@ -218,6 +231,7 @@ fn skin(parts: &[MorphMesh]) -> Result<Option<MeshSkin>, TogetherError> {
             .skin
             .as_ref()
             .ok_or_else(|| TogetherError::OneSkin(with.name.clone()))?;
+        skeletons.count(&skin.skeleton, parts.len(), budget)?;
         let joints = skeletons.add(&skin.skeleton).ok_or(TogetherError::TooMany {
             parts: parts.len(),
             what: "joints",
@@ -251,14 +265,37 @@ struct Skeletons<'a> {
     /// Those that are in already, with their first nodes.
     added: Vec<(&'a Skeleton, u32)>,
     joints: HashMap<(u32, [u32; 16]), u16>,
+    /// The place of each clip of `all`.
+    clips: HashMap<&'a str, usize>,
 }
 
 impl<'a> Skeletons<'a> {
+    /// The first node of a skeleton that is in already.
+    fn known(&self, skeleton: &Skeleton) -> Option<u32> {
+        let same = |(known, _): &&(&Skeleton, u32)| known.nodes == skeleton.nodes && known.clips == skeleton.clips;
+        self.added.iter().find(same).map(|(_, first)| *first)
+    }
+
+    /// Counts the copy of a skeleton that is about to be added.
+    fn count(&self, skeleton: &Skeleton, parts: usize, budget: &MemoryBudget) -> Result<(), OverBudget> {
+        let what = || format!("the joints of its {parts} meshes and their clips");
+        budget.take(skeleton.joints.len() as u64, 160, what)?;
+        if self.known(skeleton).is_some() {
+            return Ok(());
+        }
+        let names = skeleton.nodes.iter().map(|node| node.name.len() as u64);
+        budget.take(names.sum::<u64>() + 128 * skeleton.nodes.len() as u64, 1, what)?;
+        let clips = skeleton.clips.iter();
+        let of_names = clips.clone().map(|clip| 128 + clip.name.len() as u64);
+        let of_channels = clips.flat_map(|clip| &clip.channels);
+        let of_channels =
+            of_channels.map(|channel| 128 + 4 * channel.times.len() as u64 + 16 * channel.values.len() as u64);
+        budget.take(of_names.chain(of_channels).sum(), 1, what)
+    }
+
     /// Adds a skeleton; returns the new numbers of its joints, or `None` if there are too many.
     fn add(&mut self, skeleton: &'a Skeleton) -> Option<Vec<u16>> {
-        let same = |(known, _): &&(&Skeleton, u32)| known.nodes == skeleton.nodes && known.clips == skeleton.clips;
-        let known = self.added.iter().find(same).map(|(_, first)| *first);
-        let first = match known {
+        let first = match self.known(skeleton) {
             Some(first) => first,
             None => self.add_nodes(skeleton)?,
         };
@@ -286,18 +323,22 @@ impl<'a> Skeletons<'a> {
             node.parent = node.parent.map(|parent| parent.saturating_add(first));
             self.all.nodes.push(node);
         }
-        for mut clip in first_of_each_name(skeleton.clips.clone(), |clip| &clip.name) {
-            for channel in &mut clip.channels {
+        let mut own = HashSet::new();
+        for clip in skeleton.clips.iter().filter(|clip| own.insert(&*clip.name)) {
+            let place = *self.clips.entry(&clip.name).or_insert_with(|| {
+                self.all.clips.push(JointClip {
+                    name: clip.name.clone(),
+                    channels: Vec::with_capacity(clip.channels.len()),
+                    end: clip.end,
+                });
+                self.all.clips.len() - 1
+            });
+            let known = &mut self.all.clips[place];
+            known.end = known.end.max(clip.end);
+            known.channels.extend(clip.channels.iter().cloned().map(|mut channel| {
                 channel.node = channel.node.saturating_add(first);
-            }
-            let same = |known: &&mut JointClip| known.name == clip.name;
-            match self.all.clips.iter_mut().find(same) {
-                Some(known) => {
-                    known.channels.append(&mut clip.channels);
-                    known.end = known.end.max(clip.end);
-                }
-                None => self.all.clips.push(clip),
-            }
+                channel
+            }));
         }
         self.added.push((skeleton, first));
         Some(first)
@@ -310,6 +351,8 @@ mod tests {
     use crate::models::random::random_blob;
     use crate::models::rigs::tube;
     use crate::oracle;
+    use crate::skeleton::{Interpolation, JointChannel, Property};
+    use glam::Vec4;
 
     fn named(seed: u64, names: [&str; 3], weights: [f32; 3]) -> MorphMesh {
         let mut mesh = random_blob(seed, 1, 3, 0.5);
@@ -369,5 +412,33 @@ mod tests {
         let parts = vec![random_blob(1, 3, 4, 0.5), random_blob(2, 3, 4, 0.5)];
         let error = Together::of(parts, &MemoryBudget::new(10_000));
         assert!(matches!(error, Err(TogetherError::OverBudget(_))));
+    }
+
+    #[test]
+    fn copies_of_clips_of_joints_are_counted() {
+        let mut part = tube(3, 6, 2, 1);
+        let keys = 100_000;
+        let channel = JointChannel {
+            node: 0,
+            property: Property::Translation,
+            interpolation: Interpolation::Linear,
+            times: (0..keys).map(|key| key as f32).collect(),
+            values: vec![Vec4::ZERO; keys],
+        };
+        let clip = |name: &str| JointClip {
+            name: name.to_owned(),
+            channels: vec![channel.clone()],
+            end: 0.0,
+        };
+        let skin = part.skin.as_mut().expect("a tube has a skin");
+        skin.skeleton.clips = vec![clip("walk"), clip("walk"), clip("run")];
+        let parts = vec![part.clone(), part];
+        let together = |bytes| Together::of(parts.clone(), &MemoryBudget::new(bytes));
+        // Only the two skeletons' clips take so much, and they are the same.
+        assert!(matches!(together(4_000_000), Err(TogetherError::OverBudget(_))));
+        let whole = together(8_000_000).expect("there is room for one copy");
+        let clips = whole.mesh.skin.map(|skin| skin.skeleton.clips).unwrap_or_default();
+        let channels: Vec<(&str, usize)> = clips.iter().map(|clip| (&*clip.name, clip.channels.len())).collect();
+        assert_eq!(channels, [("walk", 1), ("run", 1)]);
     }
 }

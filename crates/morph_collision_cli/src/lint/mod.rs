@@ -75,6 +75,8 @@ const EXAMPLES: &str = "Examples:
 /// touches, in the file's unit. It is at most about the size of a triangle, so compare findings by it, but do not read it as the thickness
 /// of an overlap.
 ///
+/// With --min-depth, pairs that are less deep at rest do not count as touching there, so they are reported if they get deep enough.
+///
 /// Triangles of a skinned mesh with a vertex without joint weights are left out with a warning.
 ///
 /// The exit code is 1 if there are findings that the baseline does not have, and 2 if there was nothing to try. All shapes that are tried are exact, but others may clip, too.

@@ -1,5 +1,7 @@
 //! Which meshes of a file belong together: those of one skeleton or node tree. They are searched as one.
 
+use std::collections::{HashMap, HashSet};
+
 use glam::Affine3A;
 use morph_collision_testkit::gltf_read::{Drawn, GltfFile};
 use morph_collision_testkit::mesh::{InfluenceSet, MeshSkin, MorphMesh};
@@ -28,26 +30,48 @@ pub(super) fn characters(
     file: &GltfFile,
 ) -> Result<Vec<Subject>, CliError> {
     let mut subjects: Vec<Subject> = Vec::new();
+    // The subjects of one mesh, by its index.
+    let mut alone: HashMap<usize, Vec<usize>> = HashMap::new();
+    let mut refused = Refused::default();
     let mut any_still = false;
-    for group in groups(file, args.drawn.drawn(file)?) {
+    let groups = groups(file, args.drawn.drawn(file)?);
+    let is_only = groups.len() == 1;
+    for group in groups {
         match group[..] {
-            [Drawn { mesh, node, .. }] => match subject(args, clip_files, file, mesh, node, None) {
-                Ok(subject) => {
-                    // A mesh that nothing but its place tells from another one.
-                    let is_same = |known: &Subject| known.index == mesh && known.mesh == subject.mesh;
-                    if !subjects.iter().any(is_same) {
+            [Drawn { mesh, node, .. }] => {
+                let known = alone.entry(mesh).or_default();
+                if known.iter().any(|&known| shows_the_same(file, &subjects[known], node)) {
+                    continue;
+                }
+                // Most meshes that are read twice are dropped, and what they took is free again.
+                let budget = file.budget();
+                let (read, left) = budget.lend(|| {
+                    let read = subject(args, clip_files, file, mesh, node, None);
+                    let read = read.and_then(|subject| match is_only {
+                        true => Ok(subject),
+                        false => check_parts(file, mesh, &subject.mesh).map(|()| subject),
+                    });
+                    (read, budget.left())
+                });
+                match read {
+                    Ok(subject) if known.iter().any(|&known| subjects[known].mesh == subject.mesh) => {}
+                    Ok(subject) => {
+                        let taken = budget.left().saturating_sub(left);
+                        count_memory(file, mesh, taken, || "it".to_owned())?;
+                        known.push(subjects.len());
                         subjects.push(subject);
                     }
+                    Err(error) => refused.tell(&error),
                 }
-                Err(error) => output::complain(format_args!("warning: left out: {error}")),
-            },
-            _ => match character(args, clip_files, file, &group)? {
+            }
+            _ => match character(args, clip_files, file, &group, &mut refused)? {
                 Group::Moves(subject) => subjects.push(*subject),
                 Group::Still => any_still = true,
                 Group::Empty => {}
             },
         }
     }
+    refused.finish();
     match subjects.is_empty() && any_still {
         true => Err(CliError::NothingTried {
             file: file.path().to_owned(),
@@ -56,33 +80,76 @@ pub(super) fn characters(
     }
 }
 
-/// What is drawn, by skeleton or node tree.
+/// What is drawn, by skeleton or node tree; in the order of meshes, like `drawn`.
 fn groups(file: &GltfFile, drawn: Vec<Drawn>) -> Vec<Vec<Drawn>> {
-    // For each group, the topmost nodes above its meshes.
-    let mut groups: Vec<(Vec<usize>, Vec<Drawn>)> = Vec::new();
-    for drawn in drawn {
-        if drawn.instance.is_some_and(|instance| instance > 0) {
-            continue;
+    let mut trees = file.trees();
+    let first = drawn
+        .into_iter()
+        .filter(|drawn| drawn.instance.is_none_or(|instance| instance == 0));
+    let rooted: Vec<(Drawn, Option<usize>)> = first
+        .map(|drawn| (drawn, drawn.node.and_then(|node| trees.join(drawn.mesh, node))))
+        .collect();
+    let mut groups: Vec<Vec<Drawn>> = Vec::new();
+    let mut of_tree: HashMap<usize, usize> = HashMap::new();
+    for (drawn, root) in rooted {
+        let next = groups.len();
+        let group = root.map_or(next, |root| *of_tree.entry(trees.of_root(root)).or_insert(next));
+        if group == next {
+            groups.push(Vec::new());
         }
-        let mut roots = drawn.node.map_or(Vec::new(), |node| file.roots_of(drawn.mesh, node));
-        let mut members = Vec::new();
-        // Groups that the mesh connects become one.
-        let (met, others) = groups
-            .into_iter()
-            .partition::<Vec<_>, _>(|(known, _)| known.iter().any(|root| roots.contains(root)));
-        for (known, joined) in met {
-            roots.extend(known);
-            members.extend(joined);
-        }
-        roots.sort_unstable();
-        roots.dedup();
-        members.push(drawn);
-        groups = others;
-        groups.push((roots, members));
+        groups[group].push(drawn);
     }
-    let mut groups: Vec<Vec<Drawn>> = groups.into_iter().map(|(_, members)| members).collect();
-    groups.sort_by_key(|members| members.first().map(|first| first.mesh));
     groups
+}
+
+/// Whether a node shows the mesh of a subject as the subject has it. It is not read for that, so this is known only of a mesh without joints.
+fn shows_the_same(file: &GltfFile, known: &Subject, node: Option<usize>) -> bool {
+    let (index, mesh) = (known.index, &known.mesh);
+    let targets = mesh.targets.len();
+    mesh.skin.is_none()
+        && file.budget().lend(|| {
+            let weights = file.default_weights(index, node, targets);
+            weights.is_ok_and(|weights| weights == mesh.default_weights)
+                && matches!(file.skin(index, node), Ok(None))
+                && {
+                    let clips = file.clips(index, node.or_else(|| file.main_node(index)), targets);
+                    clips.broken.is_empty() && clips.clips == mesh.animations
+                }
+        })
+}
+
+/// At most this many meshes that are left out are named.
+const MOST_REFUSED: usize = 20;
+
+/// Says why meshes are left out, once for each reason.
+#[derive(Default)]
+struct Refused {
+    told: HashSet<String>,
+    untold: usize,
+}
+
+impl Refused {
+    fn tell(&mut self, error: &CliError) {
+        let reason = error.to_string();
+        if self.told.contains(&reason) {
+            return;
+        }
+        if self.told.len() == MOST_REFUSED {
+            self.untold += 1;
+            return;
+        }
+        output::complain(format_args!("warning: left out: {reason}"));
+        self.told.insert(reason);
+    }
+
+    fn finish(self) {
+        if self.untold > 0 {
+            let more = output::counted(self.untold, "more mesh", "more meshes");
+            output::complain(format_args!(
+                "warning: left out: {more}, for reasons that are not listed"
+            ));
+        }
+    }
 }
 
 /// A mesh as a node shows it.
@@ -112,6 +179,7 @@ fn character(
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
     group: &[Drawn],
+    refused: &mut Refused,
 ) -> Result<Group, CliError> {
     let mut parts: Vec<Part> = Vec::with_capacity(group.len());
     // Kept while further nodes show it.
@@ -127,7 +195,7 @@ fn character(
                     last = Some((drawn.mesh, whole));
                 }
             }
-            Err(error) => output::complain(format_args!("warning: left out: {error}")),
+            Err(error) => refused.tell(&error),
         }
     }
     let moves = |part: &Part| {

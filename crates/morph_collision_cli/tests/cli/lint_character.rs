@@ -27,14 +27,25 @@ fn meshes(height: f32) -> [RawMesh; 2] {
 /// Writes two meshes and lets `edit` change the file. Node 0 is above node 1, which shows the floor, and node 2, which shows the wall. The clip
 /// "bite" moves the nodes that it is given down by 4.
 fn model(height: f32, names: [&str; 2], edit: impl Fn(&mut Value)) -> Result<(TempDir, PathBuf), Box<dyn Error>> {
+    model_of(&meshes(height), &names, edit)
+}
+
+/// The same with other meshes, each of which has one target.
+fn model_of(
+    meshes: &[RawMesh],
+    names: &[&str],
+    edit: impl Fn(&mut Value),
+) -> Result<(TempDir, PathBuf), Box<dyn Error>> {
     let dir = tempdir()?;
-    let path = write_gltf(dir.path(), "face.gltf", &meshes(height))?;
+    let path = write_gltf(dir.path(), "face.gltf", meshes)?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
-    for (mesh, name) in names.into_iter().enumerate() {
+    for (mesh, name) in names.iter().enumerate() {
         gltf["meshes"][mesh]["extras"] = json!({ "targetNames": [name] });
     }
     gltf["scenes"] = json!([{ "nodes": [0] }]);
-    gltf["nodes"] = json!([{ "children": [1, 2] }, { "mesh": 0 }, { "mesh": 1 }]);
+    let shown = (0..meshes.len()).map(|mesh| json!({ "mesh": mesh }));
+    let root = json!({ "children": (1..=meshes.len()).collect::<Vec<usize>>() });
+    gltf["nodes"] = std::iter::once(root).chain(shown).collect();
     edit(&mut gltf);
     std::fs::write(&path, gltf.to_string())?;
     Ok((dir, path))
@@ -190,19 +201,75 @@ fn a_skinned_mesh_meets_what_hangs_on_its_skeleton() -> TestResult {
 
 #[test]
 fn a_character_that_takes_too_much_memory_says_which_option_helps() -> TestResult {
-    let (_dir, path) = model(1.0, ["open", "open"], |_| ())?;
-    let size = std::fs::metadata(&path)?.len() + 20_000;
-    let limits = (0..40).map(|step| size / 4 + 200 * step);
-    for limit in limits {
+    let [mut jaw, teeth] = meshes(1.0);
+    jaw.positions.resize(4000, [0.0; 3]);
+    jaw.targets[0].resize(4000, [0.0; 3]);
+    let (_dir, path) = model_of(&[jaw, teeth], &["open", "open"], |_| ())?;
+    let mut of_all = 0;
+    for limit in (1..30).map(|step| 40_000 * step) {
         let output = lint(&path, &["--memory-limit", &limit.to_string()])?;
         if output.status.code() == Some(2) {
-            let error = error_of(&output);
+            let error = String::from_utf8_lossy(&output.stderr);
             assert!(error.contains("memory-limit"), "{error}");
-            if error.contains("the other meshes of its skeleton or node tree") {
-                assert!(error.contains("--mesh takes one mesh"), "{error}");
+            if error
+                .contains("\"jaw\" and the other meshes of its skeleton or node tree: its 2 meshes as one would take")
+            {
+                assert!(error.contains("; --mesh takes one mesh"), "{error}");
+                of_all += 1;
             }
         }
     }
+    assert!(of_all > 0, "no limit has room for each mesh but not for both as one");
+    Ok(())
+}
+
+/// Writes meshes that only their places tell from others: each is shown by `copies` nodes without a parent.
+fn forest(dir: &Path, meshes: &[RawMesh], copies: usize) -> Result<PathBuf, Box<dyn Error>> {
+    let path = write_gltf(dir, "forest.gltf", meshes)?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    let node = |place: usize| json!({ "mesh": place % meshes.len(), "translation": [place, 0, 0] });
+    let nodes: Vec<Value> = (0..copies * meshes.len()).map(node).collect();
+    gltf["scenes"] = json!([{ "nodes": (0..nodes.len()).collect::<Vec<usize>>() }]);
+    gltf["nodes"] = json!(nodes);
+    std::fs::write(&path, gltf.to_string())?;
+    Ok(path)
+}
+
+#[test]
+fn a_mesh_that_many_trees_show_takes_its_memory_once() -> TestResult {
+    let mut tree = RawMesh::triangle("tree");
+    let corner = |place: usize| [(place / 3) as f32 * 2.0 + (place % 3) as f32, (place % 2) as f32, 0.0];
+    tree.positions = (0..3000).map(corner).collect();
+    tree.targets = vec![vec![[0.0, 0.0, 1.0]; 3000]];
+    tree.indices = Vec::new();
+    let dir = tempdir()?;
+    let path = forest(dir.path(), &[tree], 200)?;
+    // Before, all that was read was counted, and most were left out with a warning.
+    let output = lint(
+        &path,
+        &[QUICK, &["--memory-limit", "8MiB", "--threads", "1", "--json"]].concat(),
+    )?;
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() != Some(2) && !complaint.contains("left out"),
+        "{complaint}"
+    );
+    let report: Value = serde_json::from_slice(&output.stdout)?;
+    assert_eq!(report["meshes"].as_array().map(Vec::len), Some(1));
+    Ok(())
+}
+
+#[test]
+fn a_bad_mesh_that_many_trees_show_is_named_once() -> TestResult {
+    let mut bad = RawMesh::triangle("bad");
+    bad.positions[1][2] = f32::NAN;
+    let dir = tempdir()?;
+    let path = forest(dir.path(), &[RawMesh::triangle("good"), bad], 30)?;
+    let output = lint(&path, QUICK)?;
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{complaint}");
+    assert_eq!(complaint.matches("left out: ").count(), 1, "{complaint}");
+    assert!(complaint.contains("mesh 1 \"bad\""), "{complaint}");
     Ok(())
 }
 
@@ -211,15 +278,7 @@ fn a_bad_mesh_of_a_character_is_left_out_and_named() -> TestResult {
     let [jaw, teeth] = meshes(1.0);
     let mut tongue = RawMesh::triangle("tongue");
     tongue.positions[1][2] = f32::NAN;
-    let dir = tempdir()?;
-    let path = write_gltf(dir.path(), "face.gltf", &[jaw, teeth, tongue])?;
-    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
-    for mesh in 0..3 {
-        gltf["meshes"][mesh]["extras"] = json!({ "targetNames": ["open"] });
-    }
-    gltf["scenes"] = json!([{ "nodes": [0] }]);
-    gltf["nodes"] = json!([{ "children": [1, 2, 3] }, { "mesh": 0 }, { "mesh": 1 }, { "mesh": 2 }]);
-    std::fs::write(&path, gltf.to_string())?;
+    let (_dir, path) = model_of(&[jaw, teeth, tongue], &["open"; 3], |_| ())?;
     let output = lint(&path, &[QUICK, &["--json"]].concat())?;
     let warning = String::from_utf8_lossy(&output.stderr);
     assert!(

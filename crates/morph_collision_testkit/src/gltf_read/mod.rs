@@ -74,6 +74,7 @@ pub use self::expressions::{Expression, ExpressionBind};
 pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;
 pub use self::mesh::FoundMesh;
+pub use self::roots::Trees;
 pub use self::scenes::{Drawing, Drawn, Extent};
 pub use self::skipped::Skipped;
 

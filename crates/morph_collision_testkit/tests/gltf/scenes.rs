@@ -264,3 +264,33 @@ fn animation_pointers_pose_what_they_name() -> Result<(), ReadError> {
     assert_eq!((info.channels, info.ignored, info.nodes), (5, 3, 1));
     Ok(())
 }
+
+#[test]
+fn trees_with_joints_of_one_skin_belong_together() -> Result<(), ReadError> {
+    let mut document = nodes();
+    document.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = json!(0);
+    document.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(0);
+    // 0 is above 1, and 2 above 3; 4 and 5 are above each other; 6 to 8 are alone.
+    document.json["nodes"] = json!([
+        {"children": [1]}, {}, {"children": [3]}, {"mesh": 1}, {"children": [5]}, {"children": [4], "mesh": 1},
+        {"mesh": 0, "skin": 0}, {"mesh": 0}, {"mesh": 0, "skin": 1},
+    ]);
+    document.json["skins"] = json!([{"joints": [1, 99, 3]}, {"joints": [3]}]);
+    let (_directory, file) = document.open()?;
+    let mut trees = file.trees();
+    let mut of = |shown: &[(usize, usize)]| -> Vec<Option<usize>> {
+        let roots: Vec<Option<usize>> = shown.iter().map(|&(mesh, node)| trees.join(mesh, node)).collect();
+        roots
+            .into_iter()
+            .map(|root| root.map(|root| trees.of_root(root)))
+            .collect()
+    };
+    assert_eq!(of(&[(1, 3), (0, 8)]), [Some(2), Some(2)], "the skin is not joined yet");
+    let together = of(&[(1, 3), (0, 6), (0, 7), (0, 8), (0, 6)]);
+    assert_eq!(together, [Some(0), Some(0), Some(7), Some(0), Some(0)]);
+    let of_cycle = of(&[(1, 4), (1, 5)]);
+    assert_eq!(of_cycle[0], of_cycle[1]);
+    assert!(of_cycle[0].is_some());
+    assert_eq!(of(&[(1, 99)]), [None]);
+    Ok(())
+}

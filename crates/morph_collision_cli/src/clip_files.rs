@@ -17,10 +17,7 @@ use morph_collision_testkit::skeleton::Skeleton;
 use crate::clips::{BrokenClips, ClipChoice, NoClip};
 use crate::error::CliError;
 use crate::model_file::{FileArgs, has_extension};
-use crate::output;
-
-/// At most this many names are listed in a message.
-const MOST_NAMES: usize = 12;
+use crate::output::{self, listed};
 
 /// The clips of other files that bodies play.
 pub(crate) struct ClipFiles<'a> {
@@ -80,7 +77,7 @@ impl<'a> ClipFiles<'a> {
         let Some((file, name)) = self.split(text) else {
             return Ok(());
         };
-        if model.animation_names().iter().any(|own| own == text) {
+        if model.animation_named(text).is_some() {
             return Ok(());
         }
         if !self.files.contains_key(&file) {
@@ -159,10 +156,11 @@ impl<'a> ClipFiles<'a> {
         placement: Option<&Skeleton>,
         broken: &BrokenClips,
     ) -> Result<ClipChoice, NoClip> {
-        ClipChoice::find(text, model, mesh, placement, broken).map_err(|error| match (error, self.clips.get(text)) {
-            (NoClip::Unknown(_), Some(lent)) => NoClip::Unknown(lent.no_match()),
-            (error, _) => error,
-        })
+        match self.clips.get(text) {
+            None => ClipChoice::find(text, model, mesh, placement, broken),
+            // It is no name of the model's own animations.
+            Some(lent) => ClipChoice::named(text, mesh, placement).ok_or_else(|| NoClip::Unknown(lent.no_match())),
+        }
     }
 
     /// What to write for a clip in a scene file from which its file has another path.
@@ -190,6 +188,9 @@ impl<'a> ClipFiles<'a> {
                     let channels = output::counted(count, "channel moves a node", "channels move nodes");
                     lent.warn(&format!("{channels} without a name, which fits no model"));
                 }
+            }
+            if !lent.clip.not_applied().is_empty() {
+                lent.warn(&format!("does not apply {}", listed(lent.clip.not_applied())));
             }
             for (names, whose) in [
                 (lent.clip.repeated().to_vec(), "of that file"),
@@ -248,21 +249,11 @@ fn animation(file: &Path, names: &[String], name: Option<&str>) -> Result<usize,
     index.ok_or_else(|| match names.len() {
         0 => format!("{file} has no animations"),
         _ => format!(
-            "{file} has no animation \"{}\"{}; it has {all}",
+            "{file} has no animation \"{}\"; it has {all}{}",
             Printable(name),
             suggestion(name, names.iter().map(String::as_str))
         ),
     })
-}
-
-/// Names in quotes: the first ones, and how many there are.
-fn listed(names: &[String]) -> String {
-    let quoted = |name: &String| format!("\"{}\"", Printable(name));
-    let shown: Vec<String> = names.iter().take(MOST_NAMES).map(quoted).collect();
-    match names.len() {
-        count if count > MOST_NAMES => format!("{}, ... ({count} in all)", shown.join(", ")),
-        _ => shown.join(", "),
-    }
 }
 
 #[cfg(test)]
@@ -289,12 +280,5 @@ mod tests {
             assert_eq!(files.split(text), expected, "{text}");
         }
         Ok(())
-    }
-
-    #[test]
-    fn long_lists_are_cut() {
-        let names: Vec<String> = (0..14).map(|index| index.to_string()).collect();
-        assert_eq!(listed(&names[..2]), "\"0\", \"1\"");
-        assert!(listed(&names).ends_with("\"11\", ... (14 in all)"));
     }
 }

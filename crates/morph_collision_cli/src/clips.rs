@@ -1,6 +1,6 @@
 //! Reads the clips of a body, and finds one by the name or index of an animation.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -12,7 +12,7 @@ use morph_collision_testkit::skeleton::Skeleton;
 
 use crate::error::CliError;
 use crate::model_file::FileArgs;
-use crate::output;
+use crate::output::{self, listed};
 
 /// What an animation moves of a body: indices into the clips of its weights, of its joints and of the node that shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,9 +21,6 @@ pub(crate) struct ClipChoice {
     pub(crate) joints: Option<usize>,
     pub(crate) node: Option<usize>,
 }
-
-/// At most this many names are listed in a message.
-const MOST_NAMES: usize = 12;
 
 /// The animations that cannot be played for a body, by their indices in the file, and why.
 #[derive(Clone, Debug, Default)]
@@ -122,23 +119,22 @@ impl ClipChoice {
         placement: Option<&Skeleton>,
         broken: &BrokenClips,
     ) -> Result<Self, NoClip> {
-        let names = file.animation_names();
-        let of_name = names.iter().position(|name| name == text);
-        let index = of_name.or_else(|| text.parse().ok().filter(|&index: &usize| index < names.len()));
+        let of_name = file.animation_named(text);
+        let in_file = |&index: &usize| file.animation_name(index).is_some();
+        let index = of_name.or_else(|| text.parse().ok().filter(in_file));
         if let Some(reason) = index.and_then(|index| broken.0.get(&index)) {
             return Err(NoClip::Broken(reason.clone()));
         }
-        let of_index = || Self::named(names.get(index?)?, mesh, placement);
+        let of_index = || Self::named(file.animation_name(index?)?, mesh, placement);
         let found = Self::named(text, mesh, placement).or_else(of_index);
-        let stray =
-            |error: &ReadError| matches!(error, ReadError::Animation { animation, .. } if Some(*animation) == index);
-        found.ok_or_else(|| match file.stray_animations().into_iter().find(stray) {
+        found.ok_or_else(|| match index.and_then(|index| file.stray_animation(index)) {
             Some(error) => NoClip::Broken(CliError::from(error).to_string()),
             None => NoClip::Unknown(complaint(text, file, mesh, placement, broken)),
         })
     }
 
-    fn named(name: &str, mesh: &MorphMesh, placement: Option<&Skeleton>) -> Option<Self> {
+    /// The clips of exactly this name.
+    pub(crate) fn named(name: &str, mesh: &MorphMesh, placement: Option<&Skeleton>) -> Option<Self> {
         let of_skeleton = |skeleton: Option<&Skeleton>| skeleton?.clips.iter().position(|clip| clip.name == name);
         let choice = Self {
             weights: mesh.animations.iter().position(|clip| clip.name == name),
@@ -173,12 +169,31 @@ pub(crate) fn clip_names(
     placement: Option<&Skeleton>,
     broken: &BrokenClips,
 ) -> Vec<String> {
-    let names = file.animation_names().into_iter().enumerate();
-    let moves =
-        |(index, name): &(usize, String)| !broken.has(*index) && ClipChoice::named(name, mesh, placement).is_some();
-    names.filter(moves).map(|(_, name)| name).collect()
+    let names = moving(file, mesh, placement, broken).into_iter();
+    names.map(str::to_owned).collect()
 }
 
+/// Like [`clip_names`]. It takes time in proportion to the clips of the body, not to all animations of the file.
+fn moving<'a>(
+    file: &'a GltfFile,
+    mesh: &MorphMesh,
+    placement: Option<&Skeleton>,
+    broken: &BrokenClips,
+) -> Vec<&'a str> {
+    let skeletons = [mesh.skin.as_ref().map(|skin| &skin.skeleton), placement];
+    let of_skeletons = skeletons.into_iter().flatten().flat_map(|skeleton| &skeleton.clips);
+    let names = mesh.animations.iter().map(|clip| &clip.name);
+    let names = names.chain(of_skeletons.map(|clip| &clip.name));
+    let indices = names.filter_map(|name| file.animation_named(name));
+    let indices: BTreeSet<usize> = indices.filter(|index| !broken.has(*index)).collect();
+    indices
+        .into_iter()
+        .filter_map(|index| file.animation_name(index))
+        .collect()
+}
+
+/// Why a body has no clip of a name. Names are compared only if the file has no animation of this name, because bodies that an animation does
+/// not move are common.
 fn complaint(
     text: &str,
     file: &GltfFile,
@@ -186,25 +201,23 @@ fn complaint(
     placement: Option<&Skeleton>,
     broken: &BrokenClips,
 ) -> String {
-    let names = clip_names(file, mesh, placement, broken);
+    let names = moving(file, mesh, placement, broken);
     let shown = Printable(text);
-    let in_file = file.animation_names();
-    // Other meshes of the file may have a clip of a similar name.
-    let hints = [&names, &in_file].map(|names| suggestion(text, names.iter().map(String::as_str)));
-    let exists = in_file.iter().any(|name| name == text);
-    if !exists && let Some(hint) = hints.iter().find(|hint| !hint.is_empty()) {
-        return format!("there is no clip \"{shown}\"{hint}");
-    }
-    let start = if exists {
+    let start = if file.animation_named(text).is_some() {
         format!("the animation \"{shown}\" does not move this mesh")
     } else {
+        // Other meshes of the file may have a clip of a similar name.
+        let in_file = file.animation_names();
+        let in_file = || suggestion(text, in_file.iter().map(String::as_str));
+        let hint = Some(suggestion(text, names.iter().copied())).filter(|hint| !hint.is_empty());
+        let hint = hint.unwrap_or_else(in_file);
+        if !hint.is_empty() {
+            return format!("there is no clip \"{shown}\"{hint}");
+        }
         format!("there is no clip \"{shown}\"")
     };
-    let quoted = |name: &String| format!("\"{}\"", Printable(name));
-    let list: Vec<String> = names.iter().take(MOST_NAMES).map(quoted).collect();
     match names.len() {
         0 => format!("{start}; no animation moves this mesh"),
-        count if count > MOST_NAMES => format!("{start}; the mesh has {count} clips: {}, ...", list.join(", ")),
-        _ => format!("{start}; the mesh has {}", list.join(", ")),
+        _ => format!("{start}; the mesh has {}", listed(&names)),
     }
 }

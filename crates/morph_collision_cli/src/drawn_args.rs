@@ -70,11 +70,11 @@ impl DrawnArgs {
         found.map(Extent::Scene).ok_or_else(|| CliError::Flag {
             flag: "--scene",
             reason: format!(
-                "{} has no scene \"{}\"{}; it has {}",
+                "{} has no scene \"{}\"; it has {}{}",
                 file.path().display(),
                 Printable(scene),
-                suggestion(scene, names.iter().map(String::as_str)),
-                counted(names.len(), "scene", "scenes")
+                counted(names.len(), "scene", "scenes"),
+                suggestion(scene, names.iter().map(String::as_str))
             ),
         })
     }

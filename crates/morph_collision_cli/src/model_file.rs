@@ -180,10 +180,10 @@ impl MeshChoice {
                 Printable(&self.0)
             )),
             (None, _) => Err(format!(
-                "{path} has no mesh named \"{}\"{}; it has {}",
+                "{path} has no mesh named \"{}\"; it has {}{}",
                 Printable(&self.0),
-                suggestion(&self.0, names.iter().map(String::as_str)),
-                in_all(count)
+                in_all(count),
+                suggestion(&self.0, names.iter().map(String::as_str))
             )),
         }
     }

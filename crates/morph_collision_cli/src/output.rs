@@ -14,7 +14,7 @@ use crate::error::CliError;
 use crate::left_out::{self, LeftOutOfMesh};
 use crate::progress;
 
-/// The version of all JSON that the program writes. It changes if a key changes its meaning or is removed.
+/// The version of all JSON that the program writes. From the first release on, it changes if a key changes its meaning or is removed.
 const VERSION: u32 = 1;
 
 /// Whether a file is written to stdout, so that reports have to go to stderr.
@@ -29,6 +29,19 @@ struct Versioned<'a, T> {
     /// What `--skip-bad` left out of meshes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     left_out: Vec<LeftOutOfMesh>,
+}
+
+/// At most this many names are listed in a message.
+const MOST_NAMES: usize = 12;
+
+/// Names in quotes: the first ones, and how many there are.
+pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
+    let quoted = |name: &S| format!("\"{}\"", Printable(name.as_ref()));
+    let shown: Vec<String> = names.iter().take(MOST_NAMES).map(quoted).collect();
+    match names.len() {
+        count if count > MOST_NAMES => format!("{}, ... ({count} in all)", shown.join(", ")),
+        _ => shown.join(", "),
+    }
 }
 
 /// Leaves stdout to an output file. Reports go to stderr from now on.
@@ -130,6 +143,13 @@ pub(crate) fn printable_json(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_lists_are_cut() {
+        let names: Vec<String> = (0..14).map(|index| index.to_string()).collect();
+        assert_eq!(listed(&names[..2]), "\"0\", \"1\"");
+        assert!(listed(&names).ends_with("\"11\", ... (14 in all)"));
+    }
 
     #[test]
     fn fields_are_quoted_if_they_have_to_be() {

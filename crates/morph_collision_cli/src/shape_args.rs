@@ -8,7 +8,7 @@ use std::sync::Arc;
 use clap::Args;
 use glam::Affine3A;
 use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
-use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::gltf_read::{GltfFile, LFS_POINTER, is_lfs_pointer};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::weight_list::{TargetNames, WeightList};
@@ -79,6 +79,9 @@ impl FromStr for WeightArg {
             std::fs::File::open(file).and_then(read_text)
         };
         let text = read.map_err(|error| named(error.to_string()))?;
+        if is_lfs_pointer(text.as_bytes()) {
+            return Err(named(LFS_POINTER.to_owned()));
+        }
         WeightList::parse(&text).map(Self).map_err(named)
     }
 }

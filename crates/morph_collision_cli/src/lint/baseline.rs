@@ -3,6 +3,7 @@
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+use morph_collision_testkit::gltf_read::{LFS_POINTER, is_lfs_pointer};
 use serde::{Deserialize, Serialize};
 
 use super::members::MeshTriangles;
@@ -41,6 +42,9 @@ impl Baseline {
         read.map_err(|error| fail(error.to_string()))?;
         if text.len() as u64 >= limit {
             return Err(fail("is larger than the memory limit; raise --memory-limit".to_owned()));
+        }
+        if is_lfs_pointer(text.as_bytes()) {
+            return Err(fail(LFS_POINTER.to_owned()));
         }
         let baseline: Self = serde_json::from_str(&text).map_err(|error| fail(error.to_string()))?;
         match baseline.version {

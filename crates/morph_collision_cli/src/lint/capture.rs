@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
+use morph_collision_testkit::gltf_read::{LFS_POINTER, is_lfs_pointer};
 use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::nearest::suggestion;
 use morph_collision_testkit::printable::Printable;
@@ -36,6 +37,9 @@ impl Capture {
         read.map_err(|error| fail(error.to_string()))?;
         if text.len() as u64 >= most {
             return Err(fail("is larger than the memory limit; raise --memory-limit".to_owned()));
+        }
+        if is_lfs_pointer(text.as_bytes()) {
+            return Err(fail(LFS_POINTER.to_owned()));
         }
         // A number takes at least two characters of the text and four bytes here.
         let taken = budget.take(text.len() as u64, 3, || "its table of weights".to_owned());

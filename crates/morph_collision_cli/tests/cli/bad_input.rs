@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, error_of, morph_collide, write_gltf, write_scene};
+use crate::support::{RawMesh, TestResult, asset, command, error_of, morph_collide, write_gltf, write_scene};
 
 fn error_of_run(scene: &Path) -> Result<String, Box<dyn Error>> {
     Ok(error_of(&morph_collide(["run".as_ref(), scene.as_os_str()])?))
@@ -215,7 +215,7 @@ fn a_command_line_that_makes_no_sense_is_an_error_too() -> TestResult {
 
 #[test]
 fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResult {
-    let scene = crate::support::asset("scenes/two_dolphins.json");
+    let scene = asset("scenes/two_dolphins.json");
     for (options, names) in [
         (
             &["--method", "bottom-up", "--volume", "sphere"][..],
@@ -289,5 +289,28 @@ fn a_model_in_place_of_a_scene_and_a_scene_in_place_of_a_model_get_a_hint() -> T
     let other = dir.path().join("other.json");
     std::fs::write(&other, "{}")?;
     assert_names(&error_of_inspect(&other)?, &["other.json: not a glTF 2.0 file"]);
+    Ok(())
+}
+
+/// The messages were "expected value at line 1 column 1" and the like.
+#[test]
+fn pointers_of_git_lfs_are_called_so() -> TestResult {
+    let dir = tempdir()?;
+    let pointer = dir.path().join("pointer.json");
+    std::fs::write(
+        &pointer,
+        "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n",
+    )?;
+    let [pointer, model] = [pointer, asset("dolphin_564.glb")].map(|path| path.display().to_string());
+    let weights = format!("@{pointer}");
+    for args in [
+        &["run", &pointer][..],
+        &["query", &model, "--self", "--weights", &weights],
+        &["lint", &model, "--baseline", &pointer],
+        &["lint", &model, "--capture", &pointer],
+    ] {
+        let message = error_of(&command().args(args).output()?);
+        assert!(message.contains("pointer.json: is a Git LFS pointer"), "{message}");
+    }
     Ok(())
 }

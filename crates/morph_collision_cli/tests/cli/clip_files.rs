@@ -129,6 +129,26 @@ fn all_commands_and_scene_files_take_a_clip_of_another_file() -> TestResult {
     Ok(())
 }
 
+/// It was an error, although a clip of the model's own file with such a channel is played.
+#[test]
+fn channels_that_are_not_applied_are_named_and_the_others_are_played() -> TestResult {
+    let (_dir, folder) = model_and_library()?;
+    let lib = folder.join("lib.gltf");
+    let pointer = "/nodes/0/extensions/KHR_node_visibility/visible";
+    change(&lib, &lib, |gltf| {
+        let target = json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}});
+        gltf["animations"][0]["channels"][3] = json!({"sampler": 0, "target": target});
+        gltf["extensionsUsed"] = json!(["KHR_animation_pointer", "KHR_node_visibility"]);
+    })?;
+    let (found, told) = height("lib.gltf#rise", "0.5", &folder)?;
+    assert_eq!(found, Some(2.5));
+    assert!(
+        told.contains(&format!("animation \"rise\": does not apply \"{pointer}\"\n")),
+        "{told}"
+    );
+    Ok(())
+}
+
 /// The copy is the model's own file under another name.
 #[test]
 fn a_character_moves_as_by_its_own_clip() -> TestResult {
@@ -168,10 +188,7 @@ fn what_does_not_fit_is_said() -> TestResult {
         ("absent.glb#rise", &["absent.glb"][..]),
         (
             "lib.gltf#ries",
-            &[
-                "lib.gltf has no animation \"ries\"; did you mean \"rise\"",
-                "it has \"rise\"",
-            ],
+            &["lib.gltf has no animation \"ries\"; it has \"rise\"; did you mean \"rise\"?"],
         ),
         ("other.gltf", &["several animations", "\"rise\", \"fall\""]),
         (

@@ -125,7 +125,7 @@ fn a_scene_that_does_not_exist_is_an_error_with_a_hint() -> TestResult {
         ];
         let error = error_of(&morph_collide(args)?);
         assert!(
-            error.contains("has no scene \"scen_0\"; did you mean \"scene_0\"?; it has 1 scene"),
+            error.contains("has no scene \"scen_0\"; it has 1 scene; did you mean \"scene_0\"?"),
             "{error}"
         );
         let args = [&args[..], &["--all-meshes".as_ref()]].concat();

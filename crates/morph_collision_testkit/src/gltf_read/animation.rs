@@ -90,6 +90,18 @@ impl GltfFile {
         problems
     }
 
+    /// The first of the errors in [`GltfFile::stray_animations`] that is about this animation. Only its channels are looked at.
+    #[must_use]
+    pub fn stray_animation(&self, animation: usize) -> Option<ReadError> {
+        let json = match self.root.animations.get(animation, &self.budget) {
+            Ok(json) => json,
+            Err(problem) => return Some(self.animation_error(animation, None, AnimationProblem::Element(problem))),
+        };
+        let error = |channel| self.weight_channel(json, animation, channel).err();
+        let problem = json.channels.indices().find_map(error)?;
+        Some(self.animation_error(animation, json.name.as_deref(), problem))
+    }
+
     pub(super) fn animation_error(&self, animation: usize, name: Option<&str>, problem: AnimationProblem) -> ReadError {
         ReadError::Animation {
             path: self.path.clone(),
@@ -195,7 +207,7 @@ impl GltfFile {
         Ok(self.read_channel(&channel, None)?.0)
     }
 
-    /// Reads the weights of so many targets, or else of as many as there are weights for.
+    /// Reads the weights of this number of targets, or else of as many as there are weights for.
     fn read_channel(
         &self,
         json: &WeightChannel<'_>,

@@ -34,6 +34,14 @@ pub(super) struct AnimationNames<'a> {
     first: HashMap<&'a str, usize>,
 }
 
+/// The names of all animations of a file, to look up.
+#[derive(Debug)]
+pub(super) struct AnimationList {
+    names: Vec<String>,
+    /// The first animation with each name.
+    places: HashMap<String, usize>,
+}
+
 impl AnimationNames<'_> {
     /// The name of an animation, or a default name. If an earlier animation has the same name, it includes the index.
     pub(super) fn of(&self, index: usize) -> String {
@@ -55,8 +63,33 @@ impl GltfFile {
     /// index added.
     #[must_use]
     pub fn animation_names(&self) -> Vec<String> {
-        let table = self.animation_table();
-        self.root.animations.indices().map(|index| table.of(index)).collect()
+        self.animation_list().names.clone()
+    }
+
+    /// The name of an animation, as in [`GltfFile::animation_names`].
+    ///
+    /// The first call makes a list of all names, and others take constant time. The same is true for [`GltfFile::animation_named`].
+    #[must_use]
+    pub fn animation_name(&self, animation: usize) -> Option<&str> {
+        self.animation_list().names.get(animation).map(String::as_str)
+    }
+
+    /// The index of the first animation of this name.
+    #[must_use]
+    pub fn animation_named(&self, name: &str) -> Option<usize> {
+        self.animation_list().places.get(name).copied()
+    }
+
+    fn animation_list(&self) -> &AnimationList {
+        self.animation_list.get_or_init(|| {
+            let table = self.animation_table();
+            let names: Vec<String> = self.root.animations.indices().map(|index| table.of(index)).collect();
+            let mut places = HashMap::with_capacity(names.len());
+            for (index, name) in names.iter().enumerate() {
+                places.entry(name.clone()).or_insert(index);
+            }
+            AnimationList { names, places }
+        })
     }
 
     /// All animations, in order.

@@ -24,6 +24,7 @@ pub struct BorrowedClip {
     weights: BTreeMap<String, Weights>,
     repeated: Vec<String>,
     unnamed: usize,
+    not_applied: Vec<String>,
 }
 
 /// Weights of the mesh that a node shows.
@@ -49,7 +50,8 @@ impl GltfFile {
     /// An animation for models of other files. The file needs no mesh.
     ///
     /// # Errors
-    /// The animation does not exist, or one of its channels cannot be played. The error names the channel.
+    /// The animation does not exist, or one of its channels cannot be played. The error names the channel. Pointers to what is not animated
+    /// here are no errors; see [`BorrowedClip::not_applied`].
     pub fn borrowed_clip(&self, animation: usize) -> Result<BorrowedClip, ReadError> {
         let json = self.root.animations.get(animation, &self.budget);
         let json = json.map_err(|problem| self.animation_error(animation, None, AnimationProblem::Element(problem)))?;
@@ -71,9 +73,17 @@ impl GltfFile {
                 Animated::Node(node, property) => (Some(node), Some(property)),
                 Animated::NodeWeights(node, None) => (Some(node), None),
                 Animated::MeshWeights(mesh, None) => (self.main_node(mesh), None),
-                Animated::NodeWeights(_, Some(pointer))
-                | Animated::MeshWeights(_, Some(pointer))
-                | Animated::NotApplied(pointer) => {
+                Animated::NotApplied(pointer) => {
+                    let pointer = abridged(pointer);
+                    let bytes = BYTES_PER_ENTRY + pointer.len() as u64;
+                    let take = self
+                        .budget
+                        .take(bytes, 1, || "the names of what it animates".to_owned());
+                    take.map_err(|over| AnimationProblem::OverBudget { channel, over })?;
+                    found.not_applied.push(pointer);
+                    continue;
+                }
+                Animated::NodeWeights(_, Some(pointer)) | Animated::MeshWeights(_, Some(pointer)) => {
                     let pointer = abridged(pointer);
                     return Err(AnimationProblem::NotApplied { channel, pointer });
                 }
@@ -157,6 +167,12 @@ impl BorrowedClip {
     #[must_use]
     pub fn unnamed(&self) -> usize {
         self.unnamed
+    }
+
+    /// Pointers of channels (`KHR_animation_pointer`) to parts of nodes, meshes and skins that are not animated here.
+    #[must_use]
+    pub fn not_applied(&self) -> &[String] {
+        &self.not_applied
     }
 
     /// A clip of this name for the nodes of a skeleton; `None` if no node has the name of a node that the animation moves.

@@ -117,7 +117,7 @@ impl Buffers {
                 read_file(&path, index, json.byte_length, budget)?
             }
         };
-        if lfs::is_pointer(&bytes) {
+        if lfs::is_lfs_pointer(&bytes) {
             return Err(BufferFault::LfsPointer);
         }
         long_enough(&bytes, json)?;

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::animations::AnimationList;
 use super::buffers::Buffers;
 use super::compressed::Decoded;
 use super::container::chunks;
@@ -49,6 +50,8 @@ pub struct GltfFile {
     pub(super) parents: Parents,
     /// For each mesh that a node shows, [the main one](GltfFile::main_node); computed on first use.
     pub(super) main_nodes: OnceCell<HashMap<usize, usize>>,
+    /// The names of the animations; made on first use.
+    pub(super) animation_list: OnceCell<AnimationList>,
     pub(super) skip_bad: bool,
 }
 
@@ -122,7 +125,7 @@ impl GltfFile {
             path: path.to_owned(),
             reason,
         };
-        if lfs::is_pointer(&bytes) {
+        if lfs::is_lfs_pointer(&bytes) {
             let reason = "it is a Git LFS pointer and not the model itself, which `git lfs pull` fetches";
             return Err(not_gltf(reason.into()));
         }
@@ -154,6 +157,7 @@ impl GltfFile {
             budget,
             parents: Parents::new(),
             main_nodes: OnceCell::new(),
+            animation_list: OnceCell::new(),
             skip_bad: options.skip_bad,
         })
     }

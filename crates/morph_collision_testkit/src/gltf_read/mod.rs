@@ -73,6 +73,7 @@ pub use self::error::{
 pub use self::expressions::{Expression, ExpressionBind};
 pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;
+pub use self::lfs::{LFS_POINTER, is_lfs_pointer};
 pub use self::mesh::FoundMesh;
 pub use self::roots::Trees;
 pub use self::scenes::{Drawing, Drawn, Extent};

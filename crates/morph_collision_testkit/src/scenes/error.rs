@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::gltf_read::LFS_POINTER;
 use crate::memory::OverBudget;
 
 /// Why a scene could not be read or written.
@@ -22,6 +23,12 @@ pub enum SceneError {
         path: PathBuf,
         /// The memory that it would take.
         over: OverBudget,
+    },
+    /// The file is a pointer that Git LFS leaves in place of one that was not fetched.
+    #[error("{}: {LFS_POINTER}", path.display())]
+    LfsPointer {
+        /// The file.
+        path: PathBuf,
     },
     /// The file is not JSON, or not that of a scene; the message ends with line and column.
     #[error("{}: {source}", path.display())]

@@ -20,6 +20,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::SceneError;
+use crate::gltf_read::is_lfs_pointer;
 use crate::memory::{self, MemoryBudget};
 use crate::weight_list::WeightList;
 
@@ -229,6 +230,10 @@ impl Scene {
             path: path.to_owned(),
             over,
         })?;
+        if is_lfs_pointer(json) {
+            let path = path.to_owned();
+            return Err(SceneError::LfsPointer { path });
+        }
         let scene: Self = serde_json::from_slice(json).map_err(|source| SceneError::Json {
             path: path.to_owned(),
             source,

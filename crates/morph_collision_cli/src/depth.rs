@@ -7,7 +7,9 @@ use morph_collision::{Triangle, triangle_distance, triangles_intersect};
 /// What counts besides touching, or does not count although it touches.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct ThresholdArgs {
-    /// Leave out what is less deep than this, in the file's unit. Faces that lie on each other touch by rounding alone.
+    /// Leave out what is less deep than this, in the file's unit. Faces that lie on each other touch by rounding alone, with a depth of about 0.
+    ///
+    /// `lint` measures at rest, too: a pair of triangles that is less deep at rest is reported if it gets deeper.
     #[arg(long, value_name = "D", value_parser = length, allow_hyphen_values = true)]
     pub(crate) min_depth: Option<f64>,
     /// Triangles also count if they do not touch but are at most this far apart, in the file's unit. Their depth is minus the distance.
@@ -15,6 +17,34 @@ pub(crate) struct ThresholdArgs {
     /// Triangles of one mesh that share a vertex never count, but their next neighbours do, so choose a gap below the lengths of edges.
     #[arg(long, value_name = "G", value_parser = length, allow_hyphen_values = true, conflicts_with = "min_depth")]
     pub(crate) gap: Option<f64>,
+}
+
+impl ThresholdArgs {
+    /// What a single thing does that counts, in words.
+    pub(crate) fn one(&self) -> String {
+        self.words("touches", "is")
+    }
+
+    /// What several things do that count, in words.
+    pub(crate) fn many(&self) -> String {
+        self.words("touch", "are")
+    }
+
+    /// What such a thing does not do at rest, in words, after "that".
+    pub(crate) fn at_rest(&self) -> &'static str {
+        match (self.min_depth, self.gap) {
+            (None, None) => "does not touch",
+            _ => "is not so",
+        }
+    }
+
+    fn words(&self, touch: &str, be: &str) -> String {
+        match (self.min_depth, self.gap) {
+            (Some(depth), _) => format!("{be} at least {depth} deep"),
+            (None, Some(gap)) => format!("{be} at most {gap} apart"),
+            (None, None) => touch.to_owned(),
+        }
+    }
 }
 
 /// A finite length.
@@ -34,7 +64,7 @@ pub(crate) fn depth(a: &Triangle, b: &Triangle) -> f64 {
     let edges = |[p, q, r]: &Triangle| [*q - *p, *r - *q, *p - *r];
     let (edges_a, edges_b) = (edges(a), edges(b));
     let normals = [edges_a, edges_b].map(|[first, second, _]| first.cross(second));
-    // The faces of the difference of two convex bodies are upright to these (the separating axis theorem).
+    // The faces of the difference of two convex bodies are perpendicular to these (the separating axis theorem).
     let crossed = edges_a.iter().flat_map(|of_a| edges_b.map(|of_b| of_a.cross(of_b)));
     let axes = normals.into_iter().chain(crossed).filter_map(DVec3::try_normalize);
     let along = |axis: DVec3| {

@@ -2,7 +2,7 @@
 
 use morph_collision_testkit::clip::looped;
 
-/// The moments of a clip: so many a second, and its very end, because a clip may end in a pose that no earlier moment has.
+/// The moments of a clip: a given number for each second, and its very end, because a clip may end in a pose that no earlier moment has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameTimes {
     fps: f32,

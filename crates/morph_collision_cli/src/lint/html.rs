@@ -8,6 +8,7 @@ use morph_collision_testkit::printable::Printable;
 
 use super::picture;
 use super::report::{FindingReport, LintReport, MeshReport};
+use crate::depth::ThresholdArgs;
 
 const PAGE_STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:76em;padding:0 1em;color:#222;background:#fff;overflow-wrap:anywhere}\
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}\
@@ -38,16 +39,16 @@ pub(super) fn page(report: &LintReport) -> String {
              negative one is the distance of triangles that do not touch. <i class=\"r\"></i> and <i class=\"b\"></i> touch each other. Click on \
              the weights to select them; they are options of <code>morph-collide query</code> and <code>export</code>.</p>\n";
     for mesh in &report.meshes {
-        of_mesh(mesh, &mut page);
+        of_mesh(mesh, report.thresholds, &mut page);
     }
     page + "</body></html>\n"
 }
 
-fn of_mesh(mesh: &MeshReport, page: &mut String) {
+fn of_mesh(mesh: &MeshReport, thresholds: ThresholdArgs, page: &mut String) {
     // Writing to a string cannot fail.
     let _ = writeln!(
         page,
-        "<h2>Mesh {} \u{201c}{}\u{201d}</h2>\n<p>{} triangles, {} targets. {} shapes were tried. {} pairs of triangles touch at rest and are \
+        "<h2>Mesh {} \u{201c}{}\u{201d}</h2>\n<p>{} triangles, {} targets. {} shapes were tried. {} pairs of triangles {} at rest and are \
          not reported.{}</p>",
         mesh.mesh,
         escaped(&mesh.name),
@@ -55,6 +56,7 @@ fn of_mesh(mesh: &MeshReport, page: &mut String) {
         mesh.targets,
         Grouped(mesh.shapes as u64),
         Grouped(mesh.pairs_at_rest as u64),
+        thresholds.many(),
         mesh.proof
             .as_ref()
             .map(|proof| format!(" {}", escaped(&proof.sentence())))

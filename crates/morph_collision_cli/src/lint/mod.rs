@@ -228,6 +228,7 @@ fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
     let subjects = input::subjects(args, file)?;
     let mut report = LintReport {
         model: args.model.clone(),
+        thresholds: args.thresholds,
         meshes: Vec::with_capacity(subjects.len()),
     };
     for subject in &subjects {

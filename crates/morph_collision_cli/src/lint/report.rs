@@ -15,6 +15,7 @@ use super::source::{Kind, Source};
 use super::subject::Subject;
 use super::suggest::Suggestion;
 use crate::blame::Blame;
+use crate::depth::ThresholdArgs;
 
 /// If there are more weights, the table has only the names of those that matter most.
 const MOST_WEIGHTS: usize = 4;
@@ -23,6 +24,9 @@ const MOST_WEIGHTS: usize = 4;
 #[derive(Debug, Serialize)]
 pub(super) struct LintReport {
     pub(super) model: PathBuf,
+    /// What counts.
+    #[serde(skip)]
+    pub(super) thresholds: ThresholdArgs,
     pub(super) meshes: Vec<MeshReport>,
 }
 

@@ -7,6 +7,7 @@ use morph_collision_testkit::printable::Printable;
 
 use super::report::{LintReport, MeshReport};
 use super::search::MOST_PAIRS;
+use crate::depth::ThresholdArgs;
 use crate::output::counted;
 
 /// The table shows at most this many findings of a mesh; the JSON has all.
@@ -22,12 +23,15 @@ impl LintReport {
 
     fn write_text(&self, text: &mut String) -> std::fmt::Result {
         for mesh in &self.meshes {
-            mesh.write_text(text)?;
+            mesh.write_text(text, self.thresholds)?;
         }
         let all = self.all().count();
         let tried = counted(self.shapes(), "shape", "shapes");
         match (all, all - self.unaccepted()) {
-            (0, _) => writeln!(text, "Nothing touches that does not touch at rest, in {tried}."),
+            (0, _) => {
+                let (touches, or_else) = (self.thresholds.one(), self.thresholds.at_rest());
+                writeln!(text, "Nothing {touches} that {or_else} at rest, in {tried}.")
+            }
             (_, 0) => writeln!(text, "{} in {tried}.", counted(all, "finding", "findings")),
             (_, accepted) => writeln!(
                 text,
@@ -40,7 +44,8 @@ impl LintReport {
 }
 
 impl MeshReport {
-    fn write_text(&self, text: &mut String) -> std::fmt::Result {
+    fn write_text(&self, text: &mut String, thresholds: ThresholdArgs) -> std::fmt::Result {
+        let [one, many] = [thresholds.one(), thresholds.many()];
         writeln!(
             text,
             "mesh {} \"{}\": {}, {}, {} tried; {} at rest",
@@ -49,7 +54,7 @@ impl MeshReport {
             counted(self.triangles, "triangle", "triangles"),
             counted(self.targets, "target", "targets"),
             counted(self.shapes, "shape", "shapes"),
-            counted(self.pairs_at_rest, "pair touches", "pairs touch"),
+            counted(self.pairs_at_rest, &format!("pair {one}"), &format!("pairs {many}")),
         )?;
         if let Some(proof) = &self.proof {
             writeln!(text, "  {}", proof.sentence())?;

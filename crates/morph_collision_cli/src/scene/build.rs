@@ -334,7 +334,7 @@ pub(crate) fn frames_of_clips(
         .collect()
 }
 
-/// Refuses more frames than the memory limit has room for, if each takes so many bytes.
+/// Refuses more frames than the memory limit has room for, if a body in a frame takes `bytes`.
 pub(crate) fn check_frames(
     frames: usize,
     bodies: usize,

@@ -117,7 +117,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<Verdict, CliError> {
         args.ignore_rest,
         args.thresholds,
     )?;
-    let report = SweepReport::new(cast.names, cast.frames.len(), args.ignore_rest, rows);
+    let report = SweepReport::new(cast.names, cast.frames.len(), args.ignore_rest, args.thresholds, rows);
     if let Some(csv) = csv {
         csv.write(|out| report.write_csv(out))?;
     }

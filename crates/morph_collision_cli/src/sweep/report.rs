@@ -9,6 +9,7 @@ use morph_collision_testkit::printable::Printable;
 use serde::Serialize;
 
 use super::rows::Row;
+use crate::depth::ThresholdArgs;
 use crate::output::{counted, csv_field};
 
 /// If there are more rows, the table shows only the worst ones.
@@ -23,11 +24,19 @@ pub(super) struct SweepReport {
     frames_touching: usize,
     /// Whether pairs that touch at rest are left out.
     ignore_rest: bool,
+    #[serde(skip)]
+    thresholds: ThresholdArgs,
     rows: Vec<Row>,
 }
 
 impl SweepReport {
-    pub(super) fn new(bodies: Vec<String>, frames: usize, ignore_rest: bool, rows: Vec<Row>) -> Self {
+    pub(super) fn new(
+        bodies: Vec<String>,
+        frames: usize,
+        ignore_rest: bool,
+        thresholds: ThresholdArgs,
+        rows: Vec<Row>,
+    ) -> Self {
         let mut touching: Vec<usize> = rows.iter().map(|row| row.frame).collect();
         touching.dedup();
         Self {
@@ -35,6 +44,7 @@ impl SweepReport {
             frames,
             frames_touching: touching.len(),
             ignore_rest,
+            thresholds,
             rows,
         }
     }
@@ -113,18 +123,20 @@ impl SweepReport {
     }
 
     fn write_verdict(&self, text: &mut String) -> std::fmt::Result {
-        let what = if self.ignore_rest {
-            "that does not touch at rest "
-        } else {
-            ""
+        // What is left out because it is so at rest.
+        let [not_at_rest, all_not_at_rest] = match (self.ignore_rest, self.thresholds.gap) {
+            (false, _) => [""; 2],
+            (true, None) => ["that does not touch at rest ", "that do not touch at rest "],
+            (true, Some(_)) => ["that is farther apart at rest ", "that are farther apart at rest "],
         };
         let Some(worst) = self.rows.iter().rev().max_by_key(|row| (row.new, row.pairs)) else {
+            let touches = self.thresholds.one();
             return match self.frames {
                 0 => writeln!(text, "There are no frames."),
-                1 => writeln!(text, "Nothing {what}touches."),
+                1 => writeln!(text, "Nothing {not_at_rest}{touches}."),
                 frames => writeln!(
                     text,
-                    "Nothing {what}touches in any of {} frames.",
+                    "Nothing {not_at_rest}{touches} in any of {} frames.",
                     Grouped(frames as u64)
                 ),
             };
@@ -135,12 +147,8 @@ impl SweepReport {
         };
         writeln!(
             text,
-            "Triangles {}touch in {} of {} frames. The most new pairs are in frame {}{place}: {} of {}.",
-            if self.ignore_rest {
-                "that do not touch at rest "
-            } else {
-                ""
-            },
+            "Triangles {all_not_at_rest}{} in {} of {} frames. The most new pairs are in frame {}{place}: {} of {}.",
+            self.thresholds.many(),
             Grouped(self.frames_touching as u64),
             Grouped(self.frames as u64),
             worst.frame,

@@ -146,6 +146,53 @@ fn sweep_has_both_between_bodies() -> TestResult {
     Ok(())
 }
 
+/// The sentences said "touches" whatever the threshold.
+#[test]
+fn the_sentences_name_the_threshold() -> TestResult {
+    let (_dir, apart) = model(0.9)?;
+    let (_dir, touching) = model(1.2)?;
+    for (name, args, part) in [
+        ("sweep", &["--min-depth", "100"][..], "Nothing is at least 100 deep"),
+        (
+            "sweep",
+            &["--min-depth", "100", "--ignore-rest"],
+            "Nothing that does not touch at rest is at least 100 deep",
+        ),
+        ("sweep", &["--gap", "4"], "Triangles are at most 4 apart in "),
+        (
+            "sweep",
+            &[
+                "--gap",
+                "0.001",
+                "--ignore-rest",
+                "--clip",
+                "press",
+                "--fps",
+                "0.1",
+                "--loop",
+            ],
+            "Nothing that is farther apart at rest is at most 0.001 apart",
+        ),
+        (
+            "lint",
+            &["--min-depth", "0.3"],
+            "Nothing is at least 0.3 deep that is not so at rest, in ",
+        ),
+        (
+            "lint",
+            &["--min-depth", "0.3"],
+            "; 0 pairs are at least 0.3 deep at rest",
+        ),
+    ] {
+        let path = if args.contains(&"--gap") { &apart } else { &touching };
+        let quick = if name == "lint" { QUICK } else { &[] };
+        let output = command().arg(name).arg(path).args(quick).args(args).output()?;
+        let text = stdout_of(&output);
+        assert!(text.contains(part), "no {part:?} in {text}");
+    }
+    Ok(())
+}
+
 #[test]
 fn thresholds_are_lengths() -> TestResult {
     let (_dir, path) = model(1.0)?;

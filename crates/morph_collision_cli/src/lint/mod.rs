@@ -32,6 +32,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::printable::Printable;
 
 use crate::depth::ThresholdArgs;
 use crate::drawn_args::DrawnArgs;
@@ -225,6 +226,14 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
 
 /// Tries all shapes of the meshes of an open file. There must be any.
 fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
+    for expression in file.expressions() {
+        for problem in &expression.problems {
+            output::complain(format_args!(
+                "warning: left out: expression \"{}\": {problem}",
+                Printable(&expression.name)
+            ));
+        }
+    }
     let subjects = input::subjects(args, file)?;
     let mut report = LintReport {
         model: args.model.clone(),

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 
 use morph_collision_testkit::gltf_read::{Expression, GltfFile};
 use morph_collision_testkit::mesh::{MorphMesh, WeightAnimation};
+use morph_collision_testkit::printable::Printable;
 
 use super::members::Member;
 use super::report::JoinedMesh;
 use crate::clips::BrokenClips;
+use crate::output;
 
 /// A mesh to try.
 #[derive(Debug, Default)]
@@ -132,6 +134,14 @@ impl Subject {
             for bind in binds.filter(|bind| bind.mesh == member.mesh && is_meant(bind.node)) {
                 if let Some(&target) = member.targets.get(bind.target) {
                     *of_mesh.entry(target).or_default() += bind.weight;
+                } else {
+                    output::complain(format_args!(
+                        "warning: left out: the expression \"{}\" moves target {} of mesh {}, which has {}",
+                        Printable(&expression.name),
+                        bind.target,
+                        member.mesh,
+                        output::counted(member.targets.len(), "target", "targets")
+                    ));
                 }
             }
             // A target of several meshes is one of the subject.

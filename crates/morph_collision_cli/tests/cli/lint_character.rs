@@ -359,6 +359,40 @@ fn expressions_of_an_avatar_are_a_source_of_their_own() -> TestResult {
     Ok(())
 }
 
+/// Neither `inspect` nor `lint` said anything of expressions that are broken in part.
+#[test]
+fn broken_parts_of_expressions_are_named() -> TestResult {
+    let (_dir, path) = model(1.0, ["open", "lower"], |gltf| {
+        let bind = |node: usize, index: usize| json!({ "node": node, "index": index, "weight": 1.0 });
+        let binds = [bind(1, 0), bind(2, 7), bind(99, 0)];
+        let expressions = json!({ "preset": { "happy": { "morphTargetBinds": binds } } });
+        gltf["extensionsUsed"] = json!(["VRMC_vrm"]);
+        gltf["extensions"] = json!({ "VRMC_vrm": { "specVersion": "1.0", "expressions": expressions } });
+    })?;
+    let told = String::from_utf8(lint(&path, QUICK)?.stderr)?;
+    assert!(
+        told.contains("the expression \"happy\" moves target 7 of mesh 1, which has 1 target\n"),
+        "{told}"
+    );
+    assert!(told.contains("left out: expression \"happy\": "), "{told}");
+    let inspect = |more: &[&str]| {
+        let mut args = vec!["inspect".as_ref(), path.as_os_str()];
+        args.extend(more.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
+        Ok::<_, Box<dyn Error>>(stdout_of(&morph_collide(args)?))
+    };
+    let text = inspect(&[])?;
+    let is_row = |line: &str| line.split_whitespace().eq(["happy", "2"]);
+    assert!(
+        text.lines().any(is_row) && text.contains("warning: expression \"happy\": "),
+        "{text}"
+    );
+    let report: Value = serde_json::from_str(&inspect(&["--json"])?)?;
+    let happy = &report["expressions"][0];
+    assert_eq!((&happy["name"], &happy["targets"]), (&json!("happy"), &json!(2)));
+    assert_eq!(happy["problems"].as_array().map(Vec::len), Some(1));
+    Ok(())
+}
+
 #[test]
 fn a_query_can_show_an_expression() -> TestResult {
     let (_dir, path) = avatar()?;

@@ -16,6 +16,7 @@
 //! ```
 
 mod animation;
+mod expression;
 mod node;
 mod report;
 mod skin;
@@ -24,6 +25,7 @@ mod text;
 mod usable;
 
 pub use animation::{AnimationReport, FileAnimationReport, WeightRange};
+pub use expression::ExpressionReport;
 pub use node::NodeReport;
 pub use report::{FileReport, MeshError, MeshReport};
 pub use skin::{JointClipReport, SkinReport};

@@ -4,6 +4,7 @@ use morph_collision::ModelError;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::expression::ExpressionReport;
 use super::node::DrawnNodes;
 use super::{AnimationReport, FileAnimationReport, NodeReport, SkinReport, UsableReport};
 use crate::gltf_read::{Clips, Drawing, Extent, FoundMesh, GltfFile, JointClips, ReadError, Remedy};
@@ -65,6 +66,9 @@ pub struct FileReport {
     pub warnings: Vec<String>,
     /// All animations.
     pub animations: Vec<FileAnimationReport>,
+    /// The expressions of an avatar (VRM).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub expressions: Vec<ExpressionReport>,
     /// All meshes, usable or not, or those that were asked for.
     pub meshes: Vec<MeshReport>,
 }
@@ -141,6 +145,7 @@ impl FileReport {
             animations: animations
                 .map(|(index, info)| FileAnimationReport::new(index, info))
                 .collect(),
+            expressions: file.expressions().into_iter().map(ExpressionReport::new).collect(),
             meshes: meshes.into_iter().map(report).collect(),
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt::{self, Display, Formatter, Write};
 
 use super::animation::{AnimationReport, FileAnimationReport, WeightRange};
+use super::expression::ExpressionReport;
 use super::node::NodeReport;
 use super::report::{FileReport, MeshReport};
 use super::skin::SkinReport;
@@ -32,6 +33,20 @@ impl Display for FileReport {
         }
         if !self.animations.is_empty() {
             write!(f, "\n{}", animations(&self.animations))?;
+        }
+        if !self.expressions.is_empty() {
+            write!(f, "\n{}", expressions(&self.expressions))?;
+        }
+        for expression in &self.expressions {
+            for problem in &expression.problems {
+                let name = cut(&expression.name);
+                writeln!(
+                    f,
+                    "warning: expression \"{}\": {}",
+                    Printable(&name),
+                    Printable(problem)
+                )?;
+            }
         }
         if self.meshes.len() > MOST_IN_FULL {
             writeln!(f, "\n{}--mesh N shows mesh N in full", summary::meshes(&self.meshes))?;
@@ -90,6 +105,17 @@ pub(super) fn cut(name: &str) -> String {
 
 fn grouped(number: usize) -> Grouped {
     Grouped(number as u64)
+}
+
+fn expressions(expressions: &[ExpressionReport]) -> String {
+    let rows: Vec<Vec<String>> = expressions
+        .iter()
+        .map(|expression| {
+            let name = Printable(&cut(&expression.name)).to_string();
+            vec![name, grouped(expression.targets).to_string()]
+        })
+        .collect();
+    table(&["expression", "targets"], &rows, &[0])
 }
 
 fn animations(animations: &[FileAnimationReport]) -> String {

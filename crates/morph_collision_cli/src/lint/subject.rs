@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use morph_collision_testkit::clip::WeightAnimation;
 use morph_collision_testkit::gltf_read::{Expression, GltfFile};
 use morph_collision_testkit::mesh::{MorphMesh, WeightAnimation};
 use morph_collision_testkit::printable::Printable;

@@ -1,8 +1,6 @@
 //! Reads the clips of a body, and finds one by the name or index of an animation.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::collections::{BTreeMap, BTreeSet};
 
 use morph_collision_testkit::gltf_read::{GltfFile, ReadError};
 use morph_collision_testkit::mesh::MorphMesh;
@@ -25,10 +23,6 @@ pub(crate) struct ClipChoice {
 /// The animations that cannot be played for a body, by their indices in the file, and why.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BrokenClips(BTreeMap<usize, String>);
-
-/// The animations that a warning was printed for.
-#[derive(Debug, Default)]
-pub(crate) struct ToldClips(Mutex<HashSet<(PathBuf, usize)>>);
 
 /// Why a body has no clip of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,15 +89,6 @@ impl BrokenClips {
     /// Whether an animation is one of them.
     pub(crate) fn has(&self, animation: usize) -> bool {
         self.0.contains_key(&animation)
-    }
-}
-
-impl ToldClips {
-    /// Whether this is the first time that it is asked about an animation.
-    fn is_news(&self, file: &Path, animation: usize) -> bool {
-        let told = self.0.lock();
-        let mut told = told.unwrap_or_else(PoisonError::into_inner);
-        told.insert((file.to_owned(), animation))
     }
 }
 

@@ -7,7 +7,7 @@ use morph_collision_testkit::inspect::{FileReport, Summary, SummaryRow};
 
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice};
-use crate::{left_out, output, progress};
+use crate::{output, progress};
 
 const EXAMPLES: &str = "Examples:
   morph-collide inspect face.glb
@@ -69,7 +69,7 @@ fn batch(args: &InspectArgs) -> Result<(), CliError> {
             Ok(report) => {
                 for mesh in &report.meshes {
                     if let Some(left_out) = &mesh.left_out {
-                        left_out::tell(model, mesh.index, &mesh.name, left_out.clone());
+                        output::tell_left_out(model, mesh.index, &mesh.name, left_out.clone());
                     }
                 }
                 SummaryRow::of(&report)

@@ -51,6 +51,7 @@ mod scene;
 mod shape_args;
 mod stress;
 mod sweep;
+mod told_clips;
 mod touching;
 mod tree_options;
 mod verify;

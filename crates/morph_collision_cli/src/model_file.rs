@@ -17,10 +17,10 @@ use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::scenes::Scene;
 use morph_collision_testkit::unweighted::Unweighted;
 
-use crate::clips::ToldClips;
 use crate::drawn_args::note_if_not_drawn;
 use crate::error::CliError;
-use crate::{left_out, output, progress};
+use crate::told_clips::ToldClips;
+use crate::{output, progress};
 
 /// The name of stdin and stdout on the command line.
 pub(crate) const STANDARD: &str = "-";
@@ -208,7 +208,7 @@ pub(crate) fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> R
     show_with(file, index, node, &mut found.mesh)?;
     let left_out = LeftOut::of(file, &mut found).map_err(|reason| mesh_error(file, index, reason.into()))?;
     if let Some(left_out) = left_out {
-        left_out::tell(file.path(), index, &found.mesh.name, left_out);
+        output::tell_left_out(file.path(), index, &found.mesh.name, left_out);
     }
     Ok(found.mesh)
 }

@@ -4,8 +4,10 @@
 
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use morph_collision_testkit::left_out::LeftOut;
 use morph_collision_testkit::numbers::Grouped;
 use morph_collision_testkit::printable::{Printable, is_printable};
 use serde::Serialize;
@@ -138,6 +140,24 @@ pub(crate) fn printable_json(json: &str) -> String {
     }
     text.push('\n');
     text
+}
+
+/// Says what was left out of a mesh, once.
+pub(crate) fn tell_left_out(file: &Path, mesh: usize, name: &str, left_out: LeftOut) {
+    let found = LeftOutOfMesh {
+        file: file.display().to_string(),
+        mesh,
+        name: name.to_owned(),
+        left_out,
+    };
+    if left_out::add(&found) {
+        complain(format_args!(
+            "warning: {}: mesh {mesh} \"{}\": {}",
+            found.file,
+            Printable(&found.name),
+            found.left_out
+        ));
+    }
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@ use morph_collision_testkit::skeleton::Skeleton;
 use morph_collision_testkit::together::Together;
 
 use super::LintArgs;
-use super::input::{lend_clips, member, subject};
 use super::members::Member;
+use super::one_mesh::{lend_clips, member, subject};
 use super::subject::Subject;
 use crate::clip_files::ClipFiles;
 use crate::clips::{BrokenClips, read_clips};

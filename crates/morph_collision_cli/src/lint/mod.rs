@@ -14,6 +14,7 @@ mod in_memory;
 mod input;
 mod members;
 mod mixtures;
+mod one_mesh;
 mod parts;
 mod picture;
 mod poses;

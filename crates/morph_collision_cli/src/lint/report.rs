@@ -12,7 +12,7 @@ use super::members::{Member, MeshTriangles, by_mesh, member_of};
 use super::parts::Parts;
 use super::proof::ProofReport;
 use super::source::{Kind, Source};
-use super::subject::Subject;
+use super::subject::{JoinedMesh, Subject};
 use super::suggest::Suggestion;
 use crate::blame::Blame;
 use crate::depth::ThresholdArgs;
@@ -54,15 +54,6 @@ pub(super) struct MeshReport {
     /// The largest weights that do not clip, if they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) suggestions: Vec<Suggestion>,
-}
-
-/// One of several meshes that are searched as one.
-#[derive(Debug, Serialize)]
-pub(super) struct JoinedMesh {
-    pub(super) mesh: usize,
-    pub(super) name: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) node: Option<usize>,
 }
 
 /// The shapes of one kind.

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use morph_collision_testkit::gltf_read::{Expression, GltfFile};
 use morph_collision_testkit::mesh::{MorphMesh, WeightAnimation};
 use morph_collision_testkit::printable::Printable;
+use serde::Serialize;
 
 use super::members::Member;
-use super::report::JoinedMesh;
 use crate::clips::BrokenClips;
 use crate::output;
 
@@ -34,6 +34,15 @@ pub(super) struct Subject {
     pub(super) clip_targets: Vec<Vec<usize>>,
     /// The named mixtures of its targets that the file has.
     pub(super) expressions: Vec<NamedMixture>,
+}
+
+/// One of several meshes that are searched as one.
+#[derive(Debug, Serialize)]
+pub(super) struct JoinedMesh {
+    pub(super) mesh: usize,
+    pub(super) name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) node: Option<usize>,
 }
 
 /// An expression as weights of a subject's targets.

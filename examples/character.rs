@@ -52,7 +52,7 @@ fn main() -> ExitCode {
 fn game(app: &mut App) {
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default(),
-        MorphCollisionPlugin::default(),
+        MorphCollisionPlugin,
         MorphRapierPlugin::default(),
         // The character's act, and the crates.
         character::plugin,

@@ -131,7 +131,7 @@ pub fn show(model: &Path, count: usize, foreign: bool) -> Show {
         pictures: &[0, 60],
         scene: Box::new(move |app| {
             group.join(app);
-            app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin))
+            app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin))
                 .add_systems(Update, mill.run_if(started));
         }),
     }

@@ -48,7 +48,7 @@ pub fn show() -> Show {
         pictures: &[0, 45, 90],
         scene: Box::new(|app| {
             // The gallery's panel counts colliders, of which there are none here.
-            app.add_plugins((MorphCollisionPlugin::default(), halves::plugin, game));
+            app.add_plugins((MorphCollisionPlugin, halves::plugin, game));
         }),
     }
 }

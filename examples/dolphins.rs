@@ -116,7 +116,7 @@ pub fn show(model: &Path, count: usize, foreign: bool) -> Show {
         pictures: &[20, 60, 240, 380],
         scene: Box::new(move |app| {
             group.join(app);
-            app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin))
+            app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin))
                 .add_systems(Update, swim.run_if(started));
         }),
     }

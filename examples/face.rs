@@ -10,8 +10,8 @@ use std::process::ExitCode;
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphPick;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::surface::MorphPick;
 use morph_collision_workspace::view::clock::{Clock, Pending, started};
 use morph_collision_workspace::view::marks::Marks;
 use morph_collision_workspace::view::models::{ModelPart, ModelRoot};
@@ -65,7 +65,7 @@ pub fn show() -> Show {
 }
 
 fn game(app: &mut App) {
-    app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin, MorphPickingPlugin))
+    app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphPickingPlugin))
         .add_systems(Startup, spawn)
         .add_systems(Update, (speak.run_if(started), tell, remove_by_key::<Pin>))
         .add_observer(stick_pin);

@@ -64,7 +64,7 @@ pub fn show(inbox: Inbox, verdict: Verdict) -> Show {
 }
 
 fn game(app: &mut App) {
-    app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin))
+    app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin))
         .init_resource::<Fit>()
         .add_systems(Update, (spawn, measure, meet, morph).chain().after(IntakeSystems));
 }

@@ -41,7 +41,7 @@ pub fn show() -> Show {
 }
 
 fn game(app: &mut App) {
-    app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin))
+    app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin))
         .add_systems(Startup, spawn)
         .add_systems(Update, (pass, paint, tell).run_if(started));
 }

@@ -56,7 +56,7 @@ fn main() -> ExitCode {
 /// What makes a deforming mesh part of physics. `heaving` has the player, the rain and the clip.
 pub(crate) fn play(app: &mut App) {
     app.add_plugins((
-        MorphCollisionPlugin::default(),
+        MorphCollisionPlugin,
         // Physics runs in fixed steps, independently of the frame rate.
         RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
         MorphRapierPlugin::default(),

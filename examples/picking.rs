@@ -11,8 +11,8 @@ use std::process::ExitCode;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::picking::hover::HoverMap;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphPick;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::surface::MorphPick;
 use morph_collision_workspace::physics::wobbling;
 use morph_collision_workspace::view::clock::{Clock, Pending, started};
 use morph_collision_workspace::view::marks::Marks;
@@ -48,7 +48,7 @@ pub fn show() -> Show {
 }
 
 fn game(app: &mut App) {
-    app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin, MorphPickingPlugin))
+    app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphPickingPlugin))
         .add_systems(Startup, spawn)
         .add_systems(Update, (wobble.run_if(started), point))
         .add_observer(paint);

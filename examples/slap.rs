@@ -42,7 +42,7 @@ fn main() -> ExitCode {
 
 fn game(app: &mut App) {
     // `slap::plugin` moves arms and faces, and counts.
-    app.add_plugins((MorphCollisionPlugin::default(), slap::plugin))
+    app.add_plugins((MorphCollisionPlugin, slap::plugin))
         .add_systems(Startup, spawn);
 }
 

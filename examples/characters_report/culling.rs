@@ -6,7 +6,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::math::{DAffine3, DMat4, DVec3, Mat4};
 use bevy::prelude::*;
-use bevy_morph_collision::MorphBoundsPlugin;
+use bevy_morph_collision::bounds::MorphBoundsPlugin;
 use morph_collision_testkit::bench::{Stopwatch, median};
 use morph_collision_workspace::drawn::{Part, extent};
 use morph_collision_workspace::tables::progress;

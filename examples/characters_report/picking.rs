@@ -61,7 +61,7 @@ fn crowd(model: &Model) -> Result<(Stage, [Caster; 2]), String> {
     };
     let places = grid(CHARACTERS, Vec2::splat(9.0));
     let mut stage = Stage::new(model, &places, scene, |app| {
-        _ = app.add_plugins(MorphCollisionPlugin::default());
+        _ = app.add_plugins(MorphCollisionPlugin);
     })?;
     stage.set_dynamic_bounds(true);
     stage.play(CLIP)?;

@@ -6,7 +6,7 @@ use bevy::camera::visibility::{DynamicSkinnedMeshBounds, VisibilityPlugin};
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 use morph_collision_testkit::bench::{Stopwatch, median};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;

@@ -64,7 +64,7 @@ impl Way {
                     ..default()
                 };
                 Stage::new(model, &places, scene, |app| {
-                    _ = app.add_plugins(MorphCollisionPlugin::default());
+                    _ = app.add_plugins(MorphCollisionPlugin);
                 })?
             }
             Self::Capsules(_) => Stage::new(model, &places, (), capsules::add_physics)?,

@@ -12,7 +12,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy::world_serialization::WorldSerializationPlugin;
-use bevy_morph_collision::MorphCollisionPlugin;
+use bevy_morph_collision::plugins::MorphCollisionPlugin;
 
 use crate::error::ExampleError;
 
@@ -27,7 +27,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// Asset paths are relative to the folder `assets`. You can add more plugins before you call [`ready`].
 pub fn headless(assets: &Path) -> App {
     let mut app = without_collisions(assets);
-    app.add_plugins(MorphCollisionPlugin::default());
+    app.add_plugins(MorphCollisionPlugin);
     app
 }
 

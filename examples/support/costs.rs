@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use bevy_morph_collision::MorphCollisionDiagnostics;
+use bevy_morph_collision::state::MorphCollisionDiagnostics;
 use serde::Serialize;
 
 /// Median costs of frames.

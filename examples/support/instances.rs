@@ -9,8 +9,9 @@ use bevy::mesh::morph::MorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::morph_collision::Aabb;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::{MorphTrees, morph_collision::Aabb};
 use morph_collision_testkit::scenes::dolphins;
 
 use crate::app::{load_gltf, update_until};

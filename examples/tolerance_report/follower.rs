@@ -4,8 +4,11 @@
 use bevy::math::DVec3;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
-use bevy_morph_collision::MorphTrees;
-use bevy_morph_collision::morph_collision::{Body, JointMatrices, Pose, WorldFromModel};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::morph_collision::Body;
+use bevy_morph_collision::morph_collision::JointMatrices;
+use bevy_morph_collision::morph_collision::Pose;
+use bevy_morph_collision::morph_collision::WorldFromModel;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::drawn::{self, Part};
 

@@ -49,7 +49,7 @@ fn crates_ride_on_a_heaving_hill_and_none_falls_through() {
         let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
         let mut app = without_collisions(&assets);
         app.add_plugins(PhysicsPlugins::default())
-            .add_plugins((MorphPlugins::default(), game))
+            .add_plugins((MorphPlugins, game))
             .insert_resource(Time::<Fixed>::from_duration(Duration::from_secs_f32(DT)))
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(DT)))
             .init_asset::<StandardMaterial>();

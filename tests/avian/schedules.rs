@@ -25,36 +25,36 @@ type Setup = (&'static str, fn(&mut App));
 
 const SETUPS: &[Setup] = &[
     ("the group after Avian", |app| {
-        app.add_plugins((PhysicsPlugins::default(), MorphPlugins::default()));
+        app.add_plugins((PhysicsPlugins::default(), MorphPlugins));
     }),
     ("the group before Avian", |app| {
-        app.add_plugins((MorphPlugins::default(), PhysicsPlugins::default()));
+        app.add_plugins((MorphPlugins, PhysicsPlugins::default()));
     }),
     ("in FixedUpdate, the group before Avian", |app| {
-        app.add_plugins((MorphPlugins::default(), PhysicsPlugins::new(FixedUpdate)));
+        app.add_plugins((MorphPlugins, PhysicsPlugins::new(FixedUpdate)));
     }),
     ("in PostUpdate, collisions in FixedUpdate", |app| {
-        app.add_plugins((PhysicsPlugins::new(PostUpdate), MorphPlugins::new(FixedUpdate)));
+        app.add_plugins((PhysicsPlugins::new(PostUpdate), MorphPlugins.in_schedule(FixedUpdate)));
     }),
     ("in Update", |app| {
-        app.add_plugins((PhysicsPlugins::new(Update), MorphPlugins::default()));
+        app.add_plugins((PhysicsPlugins::new(Update), MorphPlugins));
     }),
     ("in a schedule within the fixed ones", |app| {
         app.init_schedule(Own)
             .add_systems(FixedUpdate, |world: &mut World| world.run_schedule(Own));
-        app.add_plugins((PhysicsPlugins::new(Own), MorphPlugins::default()));
+        app.add_plugins((PhysicsPlugins::new(Own), MorphPlugins));
     }),
     ("in a schedule of the main loop", |app| {
         app.init_schedule(Own);
         app.world_mut()
             .resource_mut::<MainScheduleOrder>()
             .insert_after(Update, Own);
-        app.add_plugins((MorphPlugins::default(), PhysicsPlugins::new(Own)));
+        app.add_plugins((MorphPlugins, PhysicsPlugins::new(Own)));
     }),
     ("single plugins, named schedule", |app| {
         app.add_plugins((
             MorphAvianPlugin::new(FixedUpdate),
-            MorphCollisionPlugin::default(),
+            MorphCollisionPlugin,
             PhysicsPlugins::new(FixedUpdate),
         ));
     }),
@@ -102,7 +102,7 @@ fn a_wrong_schedule_is_put_right_and_the_log_says_what_to_write() {
     Errors::collect(|errors| {
         let (app, _, ball) = ball_on_a_sheet(|app| {
             let wrong = MorphAvianPlugin::new(PostUpdate);
-            app.add_plugins((PhysicsPlugins::default(), MorphPlugins::default().set(wrong)));
+            app.add_plugins((PhysicsPlugins::default(), MorphPlugins.set(wrong)));
         });
         assert!((place(&app, ball).y - 0.5).abs() < 1e-2);
         let said = errors.take_warnings();
@@ -119,21 +119,21 @@ const BROKEN: &[Broken] = &[
     (
         "the group without Avian",
         |app| {
-            app.add_plugins(MorphPlugins::default());
+            app.add_plugins(MorphPlugins);
         },
         "PhysicsPlugins::default()",
     ),
     (
         "no plugin for Avian",
         |app| {
-            app.add_plugins((PhysicsPlugins::default(), MorphCollisionPlugin::default()));
+            app.add_plugins((PhysicsPlugins::default(), MorphCollisionPlugin));
         },
         "MorphAvianPlugin::default()",
     ),
     (
         "the single plugin without Avian",
         |app| {
-            app.add_plugins((MorphAvianPlugin::default(), MorphCollisionPlugin::default()));
+            app.add_plugins((MorphAvianPlugin::default(), MorphCollisionPlugin));
         },
         "PhysicsPlugins",
     ),

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use bevy::prelude::*;
-use bevy_morph_collision::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_write::{Appearance, write_glb};
 use morph_collision_testkit::models::random;

@@ -5,7 +5,8 @@ use bevy::camera::visibility::{NoAutoAabb, NoCpuCulling, NoFrustumCulling, Visib
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
 use crate::log::{Errors, start};

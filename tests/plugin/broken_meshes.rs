@@ -3,7 +3,10 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues, VertexFormat, morph::MorphAttributes};
 use bevy::prelude::*;
-use bevy_morph_collision::{ImportError, MorphCollisionSettings, MorphTrees, morph_collision::ModelError};
+use bevy_morph_collision::components::MorphCollisionSettings;
+use bevy_morph_collision::import::ImportError;
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::morph_collision::ModelError;
 
 use crate::log::Errors;
 use crate::support::{

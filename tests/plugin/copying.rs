@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_morph_collision::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::Pose;
 use morph_collision_testkit::mesh::MorphMesh;
 

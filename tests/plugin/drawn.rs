@@ -5,8 +5,11 @@ use std::any::TypeId;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy::prelude::*;
+use bevy_morph_collision::import::DefaultMorphTreeSettings;
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::morph_collision::Pose;
-use bevy_morph_collision::{BuildOptions, DefaultMorphTreeSettings, MorphTrees, prelude::*};
+use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
 use crate::log::start;

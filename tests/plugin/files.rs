@@ -10,8 +10,9 @@ use bevy::mesh::MeshPlugin;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::world_serialization::{WorldAsset, WorldInstanceReady, WorldSerializationPlugin};
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::Pose;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 use morph_collision_testkit::mesh::MorphMesh;
@@ -275,7 +276,7 @@ fn meshes_without_normals_are_repaired_whichever_plugin_comes_first() {
         ..default()
     };
     let mut app = App::new();
-    app.add_plugins((MorphCollisionPlugin::default(), MinimalPlugins, TransformPlugin, assets))
+    app.add_plugins((MorphCollisionPlugin, MinimalPlugins, TransformPlugin, assets))
         .add_plugins((
             WorldSerializationPlugin,
             ImagePlugin::default(),

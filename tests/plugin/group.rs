@@ -29,7 +29,7 @@ fn with_app(plugins: impl FnOnce(&mut App), test: impl FnOnce(&mut App, Vec<Stri
 fn the_group_works_in_an_app_without_anything_to_see() {
     with_app(
         |app| {
-            app.add_plugins(MorphPlugins::default());
+            app.add_plugins(MorphPlugins);
         },
         |app, logged| {
             assert_eq!(logged, [""; 0]);
@@ -48,11 +48,7 @@ fn the_group_works_in_an_app_without_anything_to_see() {
 fn the_group_brings_what_belongs_to_plugins_that_are_there() {
     with_app(
         |app| {
-            app.add_plugins((
-                GizmoPlugin,
-                RapierPhysicsPlugin::<NoUserData>::default(),
-                MorphPlugins::default(),
-            ));
+            app.add_plugins((GizmoPlugin, RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins));
         },
         |app, logged| {
             assert_eq!(logged, [""; 0]);
@@ -67,7 +63,7 @@ fn the_group_brings_what_belongs_to_plugins_that_are_there() {
 fn physics_may_come_after_the_group() {
     with_app(
         |app| {
-            app.add_plugins((MorphPlugins::default(), RapierPhysicsPlugin::<NoUserData>::default()));
+            app.add_plugins((MorphPlugins, RapierPhysicsPlugin::<NoUserData>::default()));
         },
         |app, logged| {
             assert_eq!(logged, [""; 0]);
@@ -82,7 +78,8 @@ fn the_group_runs_in_other_schedules_and_without_some_plugins() {
     struct Runs(usize);
     let mut app = plain_app();
     app.add_plugins(
-        MorphPlugins::new(FixedPostUpdate)
+        MorphPlugins
+            .in_schedule(FixedPostUpdate)
             .build()
             .disable::<MorphGizmosPlugin>(),
     );

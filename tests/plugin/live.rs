@@ -2,7 +2,10 @@
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::{BuildOptions, DefaultMorphTreeSettings, MorphTrees, prelude::*};
+use bevy_morph_collision::import::DefaultMorphTreeSettings;
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::morph_collision::BuildOptions;
+use bevy_morph_collision::prelude::*;
 
 use crate::support::{add_mesh, app, cube, settle, spawn, stretching_cube, touches, two_cubes};
 

@@ -11,9 +11,13 @@ use bevy::picking::backend::ray::RayMap;
 use bevy::prelude::*;
 use bevy::reflect::serde::{ReflectDeserializer, ReflectSerializer};
 use bevy::reflect::{FromReflect, Reflect, TypePath, TypeRegistry};
-use bevy_morph_collision::MorphCollisionDiagnosticsPlugin;
+use bevy_morph_collision::contacts::MorphContactPoint;
+use bevy_morph_collision::debug::MorphCollisionDiagnosticsPlugin;
+use bevy_morph_collision::morph_collision::Facing;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::{Facing, MorphClosestPoints, MorphContactPoint, MorphManifold, MorphProjection};
+use bevy_morph_collision::spatial::MorphClosestPoints;
+use bevy_morph_collision::spatial::MorphManifold;
+use bevy_morph_collision::spatial::MorphProjection;
 use serde::de::DeserializeSeed;
 
 use morph_collision_workspace::app::headless;
@@ -41,31 +45,26 @@ fn the_plugins_add_no_ambiguous_order_of_systems() {
     };
     let before = ambiguities(&mut bevy());
     let mut ours = bevy();
-    ours.add_plugins((
-        MorphCollisionPlugin::default(),
-        MorphBoundsPlugin,
-        MorphCollisionDiagnosticsPlugin,
-    ));
+    ours.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphCollisionDiagnosticsPlugin));
     assert_eq!(ambiguities(&mut ours), before);
     let mut fixed = bevy();
-    fixed.add_plugins((MorphCollisionPlugin::new(FixedPostUpdate), MorphBoundsPlugin));
+    fixed.add_plugins((MorphCollisionPlugin.in_schedule(FixedPostUpdate), MorphBoundsPlugin));
     assert_eq!(ambiguities(&mut fixed), before);
 
     // A conflict would be noticed.
     let mut careless = bevy();
-    careless.add_plugins(MorphCollisionPlugin::default()).add_systems(
-        PostUpdate,
-        |mut collisions: ResMut<MorphCollisions>| {
+    careless
+        .add_plugins(MorphCollisionPlugin)
+        .add_systems(PostUpdate, |mut collisions: ResMut<MorphCollisions>| {
             collisions.set_changed();
-        },
-    );
+        });
     assert!(ambiguities(&mut careless) > before);
 }
 
 #[test]
 fn the_plugin_runs_in_the_fixed_schedule_too() {
     let mut app = plain_app();
-    app.add_plugins(MorphCollisionPlugin::new(FixedPostUpdate));
+    app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
     // Two frames to a step.
     let step = Time::<Fixed>::default().timestep();
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step / 2));
@@ -273,7 +272,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
         ),
         (
             &|app| {
-                app.add_plugins((MorphGizmosPlugin, MorphCollisionPlugin::default()));
+                app.add_plugins((MorphGizmosPlugin, MorphCollisionPlugin));
             },
             &[["MorphGizmosPlugin", "GizmoPlugin"]],
         ),
@@ -286,7 +285,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
         ),
         (
             &|app| {
-                app.add_plugins((MorphPickingPlugin, MorphCollisionPlugin::default()));
+                app.add_plugins((MorphPickingPlugin, MorphCollisionPlugin));
             },
             &[["MorphPickingPlugin", "DefaultPickingPlugins"]],
         ),
@@ -304,12 +303,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
         (
             &|app| {
                 picking(app);
-                app.add_plugins((
-                    MorphPickingPlugin,
-                    MorphGizmosPlugin,
-                    GizmoPlugin,
-                    MorphCollisionPlugin::default(),
-                ));
+                app.add_plugins((MorphPickingPlugin, MorphGizmosPlugin, GizmoPlugin, MorphCollisionPlugin));
             },
             &[],
         ),

@@ -6,8 +6,8 @@ use bevy::picking::backend::PointerHits;
 use bevy::picking::backend::ray::{RayId, RayMap};
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphPickingSettings;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::surface::MorphPickingSettings;
 
 use morph_collision_workspace::app::headless;
 

@@ -7,6 +7,8 @@ use bevy::mesh::Indices;
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy::world_serialization::{WorldAsset, WorldInstanceReady};
+use bevy_morph_collision::import::{ImportError, MorphTreeProgress};
+use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 use morph_collision_testkit::models::random::random_blob;

@@ -226,11 +226,7 @@ fn components_resources_and_events_are_registered() {
     let mut app = plain_app();
     // Without Bevy's automatic registration, which a feature enables.
     app.insert_resource(AppTypeRegistry::default());
-    app.add_plugins((
-        GizmoPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default(),
-        MorphPlugins::default(),
-    ));
+    app.add_plugins((GizmoPlugin, RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins));
     let registry = app.world().resource::<AppTypeRegistry>().read();
     for_each_component(Entity::PLACEHOLDER, Registered(&registry));
     check_registered::<MorphColliders>(

@@ -2,7 +2,8 @@
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::models::rigid;
 
 use crate::support::{add_mesh, app, cube, diagnostics, set_weight, settle, spawn, stretching_cube, touches};

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use bevy::ecs::message::MessageCursor;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 use morph_collision_workspace::app::headless;
 pub(crate) use morph_collision_workspace::physics::bevy_mesh;
@@ -39,7 +40,7 @@ pub(crate) fn plain_app() -> App {
 /// An app with the collision plugin in [`FixedPostUpdate`], with this many frames per tick or ticks per frame.
 pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
     let mut app = plain_app();
-    app.add_plugins(MorphCollisionPlugin::new(FixedPostUpdate));
+    app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
     let frame = Time::<Fixed>::default().timestep() * ticks_per_frame / frames_per_tick;
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
     start(&mut app);

@@ -52,7 +52,7 @@ fn balls_bounce_off_a_walking_character_and_none_falls_through() {
     let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
     let mut app = without_collisions(&assets);
     app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())
-        .add_plugins((MorphPlugins::default(), game))
+        .add_plugins((MorphPlugins, game))
         .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
         .init_asset::<StandardMaterial>();
     start(&mut app);

@@ -52,58 +52,55 @@ fn set_up_by_hand(app: &mut App, schedule: impl ScheduleLabel + Clone) {
 
 const SETUPS: &[Setup] = &[
     ("the group after Rapier", |app| {
-        app.add_plugins((Rapier::default(), MorphPlugins::default()));
+        app.add_plugins((Rapier::default(), MorphPlugins));
     }),
     ("the group before Rapier", |app| {
-        app.add_plugins((MorphPlugins::default(), Rapier::default()));
+        app.add_plugins((MorphPlugins, Rapier::default()));
     }),
     ("in the fixed schedule", |app| {
-        app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins::default()));
+        app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins));
     }),
     ("in the fixed schedule, the group before Rapier", |app| {
-        app.add_plugins((MorphPlugins::default(), Rapier::default().in_fixed_schedule()));
+        app.add_plugins((MorphPlugins, Rapier::default().in_fixed_schedule()));
     }),
     ("in FixedPostUpdate, collisions in FixedUpdate", |app| {
         let rapier = Rapier::default().in_schedule(FixedPostUpdate);
-        app.add_plugins((rapier, MorphPlugins::new(FixedUpdate)));
+        app.add_plugins((rapier, MorphPlugins.in_schedule(FixedUpdate)));
     }),
     ("in Update", |app| {
-        app.add_plugins((Rapier::default().in_schedule(Update), MorphPlugins::default()));
+        app.add_plugins((Rapier::default().in_schedule(Update), MorphPlugins));
     }),
     ("in PreUpdate", |app| {
-        app.add_plugins((Rapier::default().in_schedule(PreUpdate), MorphPlugins::default()));
+        app.add_plugins((Rapier::default().in_schedule(PreUpdate), MorphPlugins));
     }),
     ("in Last", |app| {
-        app.add_plugins((Rapier::default().in_schedule(Last), MorphPlugins::default()));
+        app.add_plugins((Rapier::default().in_schedule(Last), MorphPlugins));
     }),
     ("in a schedule within the fixed ones", |app| {
         own_in_fixed_update(app);
-        app.add_plugins((Rapier::default().in_schedule(Own), MorphPlugins::default()));
+        app.add_plugins((Rapier::default().in_schedule(Own), MorphPlugins));
     }),
     ("in a schedule of the main loop", |app| {
         app.init_schedule(Own);
         app.world_mut()
             .resource_mut::<MainScheduleOrder>()
             .insert_after(Update, Own);
-        app.add_plugins((MorphPlugins::default(), Rapier::default().in_schedule(Own)));
+        app.add_plugins((MorphPlugins, Rapier::default().in_schedule(Own)));
     }),
     ("single plugins, named schedule", |app| {
         app.add_plugins((
             MorphRapierPlugin::new(FixedUpdate),
-            MorphCollisionPlugin::default(),
+            MorphCollisionPlugin,
             Rapier::default().in_fixed_schedule(),
         ));
     }),
     ("systems added by hand, before", |app| {
         app.add_plugins(Rapier::default().with_default_system_setup(false));
         set_up_by_hand(app, FixedUpdate);
-        app.add_plugins(MorphPlugins::default());
+        app.add_plugins(MorphPlugins);
     }),
     ("systems added by hand, after", |app| {
-        app.add_plugins((
-            Rapier::default().with_default_system_setup(false),
-            MorphPlugins::default(),
-        ));
+        app.add_plugins((Rapier::default().with_default_system_setup(false), MorphPlugins));
         set_up_by_hand(app, FixedPostUpdate);
     }),
 ];
@@ -150,10 +147,7 @@ fn a_wrong_schedule_is_put_right_and_the_log_says_what_to_write() {
     Errors::collect(|errors| {
         let (app, _, ball) = ball_on_a_sheet(|app| {
             let wrong = MorphRapierPlugin::new(PostUpdate);
-            app.add_plugins((
-                Rapier::default().in_fixed_schedule(),
-                MorphPlugins::default().set(wrong),
-            ));
+            app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins.set(wrong)));
         });
         assert!((place(&app, ball).y - 0.5).abs() < 1e-2);
         let said = errors.take_warnings();
@@ -170,21 +164,21 @@ const BROKEN: &[Broken] = &[
     (
         "the group without Rapier",
         |app| {
-            app.add_plugins(MorphPlugins::default());
+            app.add_plugins(MorphPlugins);
         },
         "RapierPhysicsPlugin::<NoUserData>::default()",
     ),
     (
         "no plugin for Rapier",
         |app| {
-            app.add_plugins((Rapier::default(), MorphCollisionPlugin::default()));
+            app.add_plugins((Rapier::default(), MorphCollisionPlugin));
         },
         "MorphRapierPlugin::default()",
     ),
     (
         "the single plugin without Rapier",
         |app| {
-            app.add_plugins((MorphRapierPlugin::default(), MorphCollisionPlugin::default()));
+            app.add_plugins((MorphRapierPlugin::default(), MorphCollisionPlugin));
         },
         "RapierPhysicsPlugin",
     ),
@@ -198,10 +192,7 @@ const BROKEN: &[Broken] = &[
     (
         "Rapier's systems nowhere",
         |app| {
-            app.add_plugins((
-                Rapier::default().with_default_system_setup(false),
-                MorphPlugins::default(),
-            ));
+            app.add_plugins((Rapier::default().with_default_system_setup(false), MorphPlugins));
         },
         "MorphRapierPlugin::new(FixedUpdate)",
     ),
@@ -210,7 +201,7 @@ const BROKEN: &[Broken] = &[
         |app| {
             app.add_plugins(Rapier::default());
             set_up_by_hand(app, FixedUpdate);
-            app.add_plugins(MorphPlugins::default());
+            app.add_plugins(MorphPlugins);
         },
         "MorphRapierPlugin::new(FixedUpdate)",
     ),

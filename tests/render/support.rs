@@ -29,7 +29,7 @@ pub(crate) fn alone() -> MutexGuard<'static, ()> {
 /// A show of this scene with the plugins of this project, seen from `eye`.
 pub(crate) fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Show {
     let scene = |app: &mut App| {
-        app.add_plugins((MorphCollisionPlugin::default(), MorphBoundsPlugin, MorphPickingPlugin));
+        app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphPickingPlugin));
         scene(app);
     };
     Show {

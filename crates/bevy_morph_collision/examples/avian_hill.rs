@@ -23,7 +23,7 @@ pub(crate) const EDGE: f32 = 0.3;
 fn main() {
     App::new()
         .add_plugins((DefaultPlugins, PhysicsPlugins::default()))
-        .add_plugins((MorphPlugins::default(), game))
+        .add_plugins((MorphPlugins, game))
         .run();
 }
 

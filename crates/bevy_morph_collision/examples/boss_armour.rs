@@ -15,9 +15,7 @@ use bevy_morph_collision::prelude::*;
 pub(crate) const DENT: f32 = 0.4;
 
 fn main() {
-    App::new()
-        .add_plugins((DefaultPlugins, MorphPlugins::default(), game))
-        .run();
+    App::new().add_plugins((DefaultPlugins, MorphPlugins, game)).run();
 }
 
 pub(crate) fn game(app: &mut App) {

@@ -30,9 +30,7 @@ const PARTS: [(Range<u32>, &str); 5] = [
 ];
 
 fn main() {
-    App::new()
-        .add_plugins((DefaultPlugins, MorphPlugins::default(), game))
-        .run();
+    App::new().add_plugins((DefaultPlugins, MorphPlugins, game)).run();
 }
 
 pub(crate) fn game(app: &mut App) {

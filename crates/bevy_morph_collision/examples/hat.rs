@@ -19,7 +19,7 @@ const ABOVE: Vec3 = Vec3::new(0.1, 12.0, 1.38);
 
 fn main() {
     App::new()
-        .add_plugins((DefaultPlugins, MorphPlugins::new(FixedPostUpdate), game))
+        .add_plugins((DefaultPlugins, MorphPlugins.in_schedule(FixedPostUpdate), game))
         .run();
 }
 

@@ -18,9 +18,7 @@ const MODELS: [(&str, Vec3, f32); 3] = [
 ];
 
 fn main() {
-    App::new()
-        .add_plugins((DefaultPlugins, MorphPlugins::default(), game))
-        .run();
+    App::new().add_plugins((DefaultPlugins, MorphPlugins, game)).run();
 }
 
 pub(crate) fn game(app: &mut App) {

@@ -24,9 +24,7 @@ const EVERY: Duration = Duration::from_millis(330);
 pub(crate) const RADIUS: f32 = 0.07;
 
 fn main() {
-    App::new()
-        .add_plugins((DefaultPlugins, MorphPlugins::default(), game))
-        .run();
+    App::new().add_plugins((DefaultPlugins, MorphPlugins, game)).run();
 }
 
 pub(crate) fn game(app: &mut App) {

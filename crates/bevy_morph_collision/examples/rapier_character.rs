@@ -22,7 +22,7 @@ pub(crate) const RADIUS: f32 = 0.08;
 fn main() {
     App::new()
         .add_plugins((DefaultPlugins, RapierPhysicsPlugin::<NoUserData>::default()))
-        .add_plugins((MorphPlugins::default(), game))
+        .add_plugins((MorphPlugins, game))
         .run();
 }
 

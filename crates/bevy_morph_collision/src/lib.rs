@@ -8,7 +8,7 @@
 //!     App::new()
 //!         // With a window and a renderer this is `DefaultPlugins`.
 //!         .add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin))
-//!         .add_plugins(MorphPlugins::default())
+//!         .add_plugins(MorphPlugins)
 //!         .add_systems(Startup, |mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>| {
 //!             let mesh = meshes.add(Sphere::new(1.0).mesh().ico(3).unwrap());
 //!             commands.spawn((Mesh3d(mesh.clone()), MorphCollider::default()));
@@ -171,123 +171,74 @@
 // Systems declare their needs as parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
-mod anchors;
+pub mod app;
 #[cfg(feature = "avian")]
 mod avian;
-mod body;
-mod body_events;
-mod body_pairs;
-mod body_roots;
-mod bounds;
+pub mod bounds;
 mod broad_phase;
-mod changes;
-mod collider;
-mod contacts;
-mod continuous;
-mod diagnostics;
-mod events;
-mod every_mesh;
-#[cfg(feature = "gizmos")]
-mod gizmos;
-mod impact;
-mod import;
-mod joints;
-mod layers;
-mod lent_poses;
+pub mod components;
+pub mod contacts;
+pub mod debug;
+pub mod events;
+pub mod import;
 mod misuse;
-mod names;
-mod narrow_phase;
-mod needs;
+pub mod narrow_phase;
 // Each engine uses only part of it.
 #[cfg(any(feature = "rapier", feature = "avian"))]
 #[cfg_attr(not(all(feature = "rapier", feature = "avian")), allow(dead_code))]
 mod physics;
-#[cfg(feature = "picking")]
-mod picking;
-mod plugin;
-mod plugins;
+pub mod plugins;
+mod posing;
 #[cfg(feature = "rapier")]
 mod rapier;
-mod readiness;
-mod scene;
-mod scene_outcomes;
-mod self_collisions;
-mod settings;
-mod shape;
-mod skeletons;
-mod spatial;
-#[cfg(feature = "gltf")]
-mod spawned_scenes;
-#[cfg(not(feature = "gltf"))]
-#[path = "no_spawned_scenes.rs"]
-mod spawned_scenes;
-mod tolerance;
-mod velocities;
-mod weights;
-mod workers;
+pub mod self_collisions;
+pub mod setup;
+pub mod spatial;
+pub mod state;
+pub mod surface;
 
-pub use anchors::MorphSurfaceAnchor;
 #[cfg(feature = "avian")]
 pub use avian::{
     MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
     MorphAvianScene, MorphAvianSystems, MorphAvianVelocity,
 };
-pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
-pub use body_events::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
-pub use bounds::{MorphBoundsPlugin, MorphBoundsSystems};
-pub use collider::{MorphCollider, MorphColliderDisabled, MorphCollisionMode};
-pub use contacts::{MorphCollisions, MorphContact, MorphContactPoint};
-pub use continuous::MorphTeleported;
-pub use diagnostics::MorphCollisionDiagnostics;
-#[cfg(feature = "diagnostics")]
-pub use diagnostics::MorphCollisionDiagnosticsPlugin;
-pub use events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
-#[cfg(feature = "gizmos")]
-pub use gizmos::{MorphGizmos, MorphGizmosPlugin};
-pub use impact::{MorphFeatures, MorphImpact};
-pub use import::{
-    DefaultMorphTreeSettings, ImportError, MorphLeftOut, MorphTreeProgress, MorphTreeSettings, MorphTrees,
-};
-pub use layers::MorphCollisionLayers;
 pub use morph_collision;
-pub use morph_collision::{BuildOptions, Facing, InputError, QueryStats, TrianglePair};
-#[cfg(feature = "picking")]
-pub use picking::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
-pub use plugin::{MorphCollisionPlugin, MorphCollisionSystems};
-pub use plugins::MorphPlugins;
 #[cfg(feature = "rapier")]
 pub use rapier::{
     MorphCharacterCarry, MorphCharacterGround, MorphQueryDispatcher, MorphRapierCollider, MorphRapierDiagnostics,
     MorphRapierPlugin, MorphRapierScene, MorphRapierSystems, MorphRapierVelocity, MorphSurface,
 };
-pub use readiness::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
-pub use scene::MorphColliderScene;
-pub use self_collisions::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
-pub use settings::MorphCollisionSettings;
-pub use shape::MorphShape;
-pub use spatial::{
-    MorphClosestPoints, MorphManifold, MorphProjection, MorphQueryFilter, MorphRayHit, MorphShapeHit, MorphSpatialQuery,
-};
-pub use workers::TaskPoolWorkers;
 
 /// Everything that an app using the plugin usually names.
 pub mod prelude {
+    pub use morph_collision::TrianglePair;
+
+    pub use crate::app::MorphCollisionSystems;
+    pub use crate::bounds::MorphBoundsPlugin;
+    pub use crate::components::{
+        MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
+        MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionMode, MorphCollisionSettings, MorphShape,
+        MorphTeleported,
+    };
+    pub use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact};
     #[cfg(feature = "diagnostics")]
-    pub use crate::MorphCollisionDiagnosticsPlugin;
-    pub use crate::{BuildOptions, Facing, MorphClosestPoints, MorphManifold, MorphProjection};
-    pub use crate::{
-        DefaultMorphTreeSettings, MorphBodyCollisionEnd, MorphBodyCollisionStart, MorphBodyRoot, MorphBoundsPlugin,
-        MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
-        MorphCollidingEntities, MorphCollisionDiagnostics, MorphCollisionEnd, MorphCollisionEventsEnabled,
-        MorphCollisionLayers, MorphCollisionMode, MorphCollisionPlugin, MorphCollisionSettings, MorphCollisionStart,
-        MorphCollisionSystems, MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact,
-        MorphPlugins, MorphQueryFilter, MorphRayHit, MorphSelfCollisionEnd, MorphSelfCollisionStart,
-        MorphSelfCollisions, MorphSelfContact, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor,
-        MorphTeleported, MorphTreeSettings, TrianglePair,
+    pub use crate::debug::MorphCollisionDiagnosticsPlugin;
+    #[cfg(feature = "gizmos")]
+    pub use crate::debug::{MorphGizmos, MorphGizmosPlugin};
+    pub use crate::events::{
+        MorphBodyCollisionEnd, MorphBodyCollisionStart, MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart,
     };
-    pub use crate::{
-        ImportError, MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady, MorphTreeProgress, MorphTrees,
+    pub use crate::import::{DefaultMorphTreeSettings, MorphTreeSettings, MorphTrees};
+    pub use crate::plugins::{MorphCollisionPlugin, MorphPlugins};
+    pub use crate::self_collisions::{
+        MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,
     };
+    pub use crate::setup::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
+    pub use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphShapeHit, MorphSpatialQuery};
+    pub use crate::state::MorphCollisionDiagnostics;
+    pub use crate::surface::MorphSurfaceAnchor;
+    #[cfg(feature = "picking")]
+    pub use crate::surface::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
     #[cfg(feature = "avian")]
     pub use crate::{
         MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
@@ -298,10 +249,6 @@ pub mod prelude {
         MorphCharacterCarry, MorphCharacterGround, MorphRapierCollider, MorphRapierDiagnostics, MorphRapierPlugin,
         MorphRapierScene, MorphRapierVelocity,
     };
-    #[cfg(feature = "gizmos")]
-    pub use crate::{MorphGizmos, MorphGizmosPlugin};
-    #[cfg(feature = "picking")]
-    pub use crate::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
 }
 
 /// Compiles the README's snippets; two of them need the physics engines.

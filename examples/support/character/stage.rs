@@ -2,8 +2,9 @@
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::{MorphPick, MorphTrees};
+use bevy_morph_collision::surface::MorphPick;
 
 use super::{Character, Crate, Dart, GROUND, HALF, HandOnFace, Moment, Skin, Tally};
 use crate::view::clock::{Clock, Pending};

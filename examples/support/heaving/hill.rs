@@ -6,7 +6,8 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::prelude::*;
 
 use crate::physics::wobbling;
 

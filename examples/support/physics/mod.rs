@@ -16,7 +16,8 @@ use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 

@@ -3,7 +3,7 @@
 
 use bevy::prelude::*;
 use bevy::time::TimeSystems;
-use bevy_morph_collision::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 
 use crate::app::STEP;
 

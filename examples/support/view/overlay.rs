@@ -10,7 +10,7 @@ use bevy::light::NotShadowCaster;
 use bevy::mesh::PrimitiveTopology;
 use bevy::picking::Pickable;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphContact;
+use bevy_morph_collision::contacts::MorphContact;
 use bevy_morph_collision::prelude::*;
 
 use super::clock;

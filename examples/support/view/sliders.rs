@@ -28,7 +28,7 @@ pub(super) fn plugin(app: &mut App) {
             SliderSystems
                 .after(AnimationSystems)
                 .before(MorphCollisionSystems::Weights)
-                .before(bevy_morph_collision::MorphBoundsSystems::Bounds),
+                .before(bevy_morph_collision::bounds::MorphBoundsSystems::Bounds),
         )
         .add_systems(
             PostUpdate,

@@ -47,7 +47,7 @@ fn parts(app: &mut App) -> Vec<Seen> {
 
 #[test]
 fn plates_are_dented_and_break_and_the_boss_cries_once_a_volley() {
-    let mut app = program(MorphPlugins::default(), game);
+    let mut app = program(MorphPlugins, game);
     let mut bodies = MessageCursor::<MorphBodyCollisionStart>::default();
     let (mut volleys, mut heard) = (HashSet::new(), Vec::new());
     let mut volley = app.world_mut().query_filtered::<Entity, With<Volley>>();

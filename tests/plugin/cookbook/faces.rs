@@ -123,7 +123,7 @@ fn seen<'a>(x: f64, y: f64, vertices: &[Vec3], head: &MorphMesh, names: &'a [Str
 fn every_place_of_a_talking_face_has_its_name() {
     let head = head();
     let names = names(&head);
-    let mut app = program(MorphPlugins::default(), game);
+    let mut app = program(MorphPlugins, game);
     play_until(&mut app, |world| {
         world.query::<&MorphColliders>().iter(world).count() > 0 && world.resource::<MorphTrees>().progress().is_done()
     });

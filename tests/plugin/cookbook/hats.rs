@@ -13,7 +13,7 @@ use super::{head, play_until, program, weights};
 #[test]
 fn the_hat_is_on_the_head_in_every_frame() {
     let head = head();
-    let mut app = program(MorphPlugins::new(FixedPostUpdate), game);
+    let mut app = program(MorphPlugins.in_schedule(FixedPostUpdate), game);
     let mut hats = app
         .world_mut()
         .query_filtered::<&GlobalTransform, (With<Hat>, With<MorphSurfaceAnchor>)>();

@@ -13,7 +13,7 @@ use crate::support::{add_mesh, cube};
 struct Starts(Vec<(MorphTreeProgress, usize)>);
 
 fn watched() -> App {
-    let mut app = program(MorphPlugins::default(), game);
+    let mut app = program(MorphPlugins, game);
     app.init_resource::<Starts>();
     app.world_mut().add_observer(
         |_: On<Insert<Playing>>,

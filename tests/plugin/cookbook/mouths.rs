@@ -28,7 +28,7 @@ fn what_gets_in_is_eaten_and_what_hits_the_skin_bounces() {
         .zip(0..)
         .map(|(_, number)| number >= 8894)
         .collect();
-    let mut app = program(MorphPlugins::default(), game);
+    let mut app = program(MorphPlugins, game);
     let mut score = Score::default();
     let mut food = app.world_mut().query::<(Entity, &Food, &Transform)>();
     let mut before: HashMap<Entity, (bool, Vec3)> = HashMap::new();

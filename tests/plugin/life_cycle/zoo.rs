@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::random::{random_blob, triangle_soup};
 use rand::{RngExt, SeedableRng};

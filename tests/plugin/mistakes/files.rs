@@ -5,6 +5,7 @@ use std::path::Path;
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
+use bevy_morph_collision::import::MorphTreeProgress;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 use morph_collision_workspace::app::update_until;

@@ -25,7 +25,7 @@ fn logged(plugins: impl FnOnce(&mut App)) -> (Vec<String>, Vec<String>) {
 #[test]
 fn an_app_without_assets_or_meshes_names_the_plugin_and_runs_on() {
     let (errors, warnings) = logged(|app| {
-        app.add_plugins((TransformPlugin, MorphPlugins::default()));
+        app.add_plugins((TransformPlugin, MorphPlugins));
     });
     assert_eq!((errors.len(), warnings.len()), (1, 0), "{errors:?} {warnings:?}");
     says(
@@ -46,7 +46,7 @@ fn an_app_without_assets_or_meshes_names_the_plugin_and_runs_on() {
 #[test]
 fn an_app_without_transforms_names_the_plugin() {
     let (errors, warnings) = logged(|app| {
-        app.add_plugins((AssetPlugin::default(), MeshPlugin, MorphPlugins::default()));
+        app.add_plugins((AssetPlugin::default(), MeshPlugin, MorphPlugins));
     });
     assert_eq!((errors.len(), warnings.len()), (0, 1), "{errors:?} {warnings:?}");
     says(
@@ -58,16 +58,11 @@ fn an_app_without_transforms_names_the_plugin() {
 #[test]
 fn a_scene_that_nobody_spawns_names_the_plugin() {
     let (errors, warnings) = logged(|app| {
-        app.add_plugins((
-            TransformPlugin,
-            AssetPlugin::default(),
-            MeshPlugin,
-            MorphPlugins::default(),
-        ))
-        .add_systems(Startup, |mut commands: Commands| {
-            let scene = (WorldAssetRoot::default(), MorphColliderScene::default());
-            commands.spawn((scene, Name::new("Boss")));
-        });
+        app.add_plugins((TransformPlugin, AssetPlugin::default(), MeshPlugin, MorphPlugins))
+            .add_systems(Startup, |mut commands: Commands| {
+                let scene = (WorldAssetRoot::default(), MorphColliderScene::default());
+                commands.spawn((scene, Name::new("Boss")));
+            });
     });
     assert_eq!((errors.len(), warnings.len()), (1, 0), "{errors:?} {warnings:?}");
     says(&errors[0], &["`Boss`", "`WorldSerializationPlugin`"]);
@@ -92,7 +87,7 @@ fn a_complete_app_logs_nothing_in_any_order() {
         let mut app = App::new();
         app.add_plugins((
             MinimalPlugins,
-            MorphPlugins::default(),
+            MorphPlugins,
             AssetPlugin::default(),
             MeshPlugin,
             TransformPlugin,
@@ -109,5 +104,5 @@ fn a_complete_app_logs_nothing_in_any_order() {
 #[test]
 #[should_panic(expected = "MorphCollisionPlugin: : plugin was already added")]
 fn bevy_names_a_plugin_that_is_added_twice() {
-    App::new().add_plugins((MorphPlugins::default(), MorphCollisionPlugin::default()));
+    App::new().add_plugins((MorphPlugins, MorphCollisionPlugin));
 }

@@ -3,8 +3,10 @@
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{AttributeQuantization, VertexAttributeValues};
 use bevy::prelude::*;
+use bevy_morph_collision::import::ImportError;
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::ModelError;
-use bevy_morph_collision::{ImportError, MorphTrees, prelude::*};
+use bevy_morph_collision::prelude::*;
 
 use super::{add, along_x, boned, extent, limb, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::log::Errors;

@@ -2,7 +2,9 @@
 
 use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
-use bevy_morph_collision::{BuildOptions, DefaultMorphTreeSettings, prelude::*};
+use bevy_morph_collision::import::DefaultMorphTreeSettings;
+use bevy_morph_collision::morph_collision::BuildOptions;
+use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
 use super::{add, boned, put, skeleton, spawn_joints, spawn_skinned};

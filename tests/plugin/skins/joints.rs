@@ -2,7 +2,7 @@
 
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
-use bevy_morph_collision::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 
 use super::{add, along_x, boned, extent, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::log::Errors;

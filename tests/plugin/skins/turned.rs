@@ -6,7 +6,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::VisibilityPlugin;
 use bevy::math::{DAffine3, DMat4, DVec3, Mat4};
 use bevy::prelude::*;
-use bevy_morph_collision::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;

@@ -3,8 +3,8 @@
 use bevy::math::DVec3;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphRayHit;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::spatial::MorphRayHit;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::random::random_blob;
 use morph_collision_testkit::oracle;

@@ -14,13 +14,12 @@ use morph_collision::{MorphBvh, Pose};
 use super::MorphAvianCollider;
 use super::push::Pushing;
 use super::shape::WholeSurface;
-use crate::collider::MorphCollider;
+use crate::components::{MorphCollider, MorphShape};
 use crate::import::{MorphTreeSettings, MorphTrees};
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayouts;
 use crate::physics::teleport::PhysicsSurface;
-use crate::shape::MorphShape;
-use crate::weights::take_weights;
+use crate::posing::take_weights;
 
 /// The plugin's state of one surface.
 #[derive(Component)]

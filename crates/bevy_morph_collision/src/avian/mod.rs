@@ -38,7 +38,8 @@ pub use scene::MorphAvianScene;
 pub use step::MorphAvianDiagnostics;
 pub use velocity::MorphAvianVelocity;
 
-use crate::collider::{MorphCollider, MorphCollisionMode};
+use crate::app::MorphCollisionSystems;
+use crate::components::{MorphCollider, MorphCollisionMode};
 use crate::physics::clock::Timing;
 use crate::physics::engine::{self, Engine};
 use crate::physics::frames::{after_steps, remember_places};
@@ -46,7 +47,6 @@ use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
 use crate::physics::schedule::{follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
-use crate::plugin::MorphCollisionSystems;
 
 /// Makes the mesh of a [`MorphCollider`] an Avian collider: bodies collide with it as it morphs.
 ///
@@ -68,7 +68,7 @@ use crate::plugin::MorphCollisionSystems;
 /// joints below it, as the root of a glTF scene does.
 ///
 /// The surface exists while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and while nothing
-/// disables it: [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing
+/// disables it: [`MorphColliderDisabled`](crate::components::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing
 /// collision detection does not pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the
 /// origin, it is left out. This is logged once.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ pub struct MorphAvianCollider {
     /// Such a change counts as motion only when the next step confirms it; until then it does not throw anything. The default is
     /// 100, ten times the acceleration of a fall.
     ///
-    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::MorphTeleported).
+    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::components::MorphTeleported).
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///
@@ -111,7 +111,7 @@ impl Default for MorphAvianCollider {
 
 /// Lets rigid bodies of `avian3d` collide with every [`MorphAvianCollider`].
 ///
-/// Part of [`MorphPlugins`](crate::MorphPlugins), which may come before or after `PhysicsPlugins`.
+/// Part of [`MorphPlugins`](crate::plugins::MorphPlugins), which may come before or after `PhysicsPlugins`.
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -119,7 +119,7 @@ impl Default for MorphAvianCollider {
 /// use avian3d::prelude::*;
 ///
 /// # let mut app = App::new();
-/// app.add_plugins((PhysicsPlugins::default(), MorphPlugins::default()));
+/// app.add_plugins((PhysicsPlugins::default(), MorphPlugins));
 /// # fn spawn(mut commands: Commands, jelly: Handle<Mesh>) {
 /// commands.spawn((Mesh3d(jelly), MorphAvianCollider::default()));
 /// commands.spawn((RigidBody::Dynamic, Collider::sphere(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));

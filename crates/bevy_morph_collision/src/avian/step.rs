@@ -28,7 +28,7 @@ use super::part::{Manners, PartBodies, Parts};
 use super::push::{Around, Sleep};
 use super::shape::WholeSurface;
 use super::{MorphAvianCollider, MorphAvianPart};
-use crate::collider::MorphColliderDisabled;
+use crate::components::MorphColliderDisabled;
 use crate::physics::begin::{Sides, advance, set_sides};
 use crate::physics::clock::{StepTime, Timing};
 use crate::physics::part::Pace;

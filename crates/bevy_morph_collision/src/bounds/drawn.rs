@@ -14,9 +14,7 @@ use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
 use super::Culled;
 use super::local::{UNBOUNDED, around, around_in};
 use crate::import::{MorphTrees, TreeKey};
-use crate::lent_poses::LentPoses;
-use crate::skeletons::{BindPoses, Skeletons};
-use crate::weights::take_weights;
+use crate::posing::{BindPoses, LentPoses, Skeletons, take_weights};
 
 /// Marks meshes that had [`DynamicSkinnedMeshBounds`] before the plugin took over their box. Bevy would otherwise write the box
 /// too.

@@ -11,9 +11,8 @@ use tracing::{error, warn};
 
 use super::left_out::MorphLeftOut;
 use super::mesh_data::ImportError;
-use crate::collider::MorphCollider;
-use crate::names::Names;
-use crate::shape::MorphShape;
+use crate::app::Names;
+use crate::components::{MorphCollider, MorphShape};
 
 /// Colliders that show a mesh, including disabled ones.
 type ShowsMesh = (With<MorphCollider>, Without<MorphShape>, Allow<Disabled>);

@@ -4,7 +4,7 @@ use morph_collision::BadParts;
 
 use super::mesh_data::ImportError;
 
-/// What was left out of a mesh because it is bad ([`MorphCollisionSettings::skip_bad_triangles`](crate::MorphCollisionSettings)).
+/// What was left out of a mesh because it is bad ([`MorphCollisionSettings::skip_bad_triangles`](crate::components::MorphCollisionSettings)).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MorphLeftOut {

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::complaints::Complaints;
+use super::mesh_data::ImportError;
 use super::mesh_tree::MeshTree;
 use super::tree_key::TreeKey;
 use super::trees::MorphTrees;
@@ -38,7 +39,7 @@ pub(crate) fn follow_load_failures(
         !is_loaded && of_mesh.contains_key(key)
     });
     waiting.retain(|&(key, asked_by)| {
-        let Some(error) = complaints.names.load_error(key.mesh) else {
+        let Some(error) = complaints.names.load_error(key.mesh).map(ImportError::NotLoaded) else {
             return true;
         };
         let mut entry = MeshTree::new(asked_by);

@@ -46,7 +46,7 @@ impl MorphTrees {
     ///
     /// A tree is requested as soon as its collider exists; for a glTF scene, when the scene is spawned. A mesh that
     /// nobody loads or adds to `Assets<Mesh>` stays pending, and a warning in the log says so. Use
-    /// [`MorphColliderSceneReady`](crate::MorphColliderSceneReady) to know when one scene is complete.
+    /// [`MorphColliderSceneReady`](crate::setup::MorphColliderSceneReady) to know when one scene is complete.
     #[must_use]
     pub fn progress(&self) -> MorphTreeProgress {
         let count = |is: fn(&MeshTree) -> bool| self.of_mesh.values().filter(|entry| is(entry)).count();

@@ -11,7 +11,7 @@ use morph_collision::{BuildOptions, InputError};
 /// # use bevy_morph_collision::{BuildOptions, MorphPlugins, DefaultMorphTreeSettings};
 /// # let mut app = App::new();
 /// app.insert_resource(DefaultMorphTreeSettings(BuildOptions::default().with_leaf_size(16)?));
-/// app.add_plugins(MorphPlugins::default());
+/// app.add_plugins(MorphPlugins);
 /// # Ok::<(), bevy_morph_collision::InputError>(())
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bevy::mesh::skinning::SkinnedMesh;
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
 use morph_collision::MorphBvh;
@@ -15,7 +15,7 @@ use super::mesh_data::ImportError;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
 use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
-use crate::settings::MorphCollisionSettings;
+use crate::components::MorphCollisionSettings;
 
 /// The collision trees of all meshes that a collider has requested.
 ///
@@ -46,13 +46,13 @@ pub struct MorphTrees {
     pub(super) waiting: Vec<(TreeKey, Entity)>,
     /// Changes whenever a tree is added or removed.
     #[reflect(ignore)]
-    pub(super) version: u64,
+    version: u64,
     /// Whether the meshes of all colliders have to be checked again.
     #[reflect(ignore)]
     pub(super) stale: bool,
     /// Whether colliders may show something different from when unused trees were last dropped. Set while trees are requested.
     #[reflect(ignore)]
-    pub(super) uses_changed: bool,
+    uses_changed: bool,
     /// How much mesh data may still be copied in this frame.
     #[reflect(ignore)]
     left: usize,
@@ -159,6 +159,36 @@ impl MorphTrees {
     /// Whether a tree was requested and exists, is being built, or waits for its mesh.
     pub(crate) fn is_known(&self, key: TreeKey) -> bool {
         self.of_mesh.contains_key(&key) || self.waiting.iter().any(|(waiting, _)| *waiting == key)
+    }
+
+    /// Says that colliders may show something different, so trees may be unused.
+    pub(crate) fn uses_changed(&mut self) {
+        self.uses_changed = true;
+    }
+
+    /// Whether the meshes of all colliders have to be checked again.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.stale
+    }
+
+    /// Whether unused trees have to be looked for; `anything_removed` says that a collider or what it shows was. A tree can only be
+    /// dropped if its mesh has another one.
+    pub(crate) fn may_have_unused(&mut self, anything_removed: bool) -> bool {
+        if !std::mem::take(&mut self.uses_changed) && !anything_removed {
+            return false;
+        }
+        let mut meshes = HashSet::<AssetId<Mesh>>::default();
+        self.of_mesh.keys().any(|key| !meshes.insert(key.mesh))
+    }
+
+    /// Drops unused trees of a mesh while another tree of that mesh is in use.
+    pub(crate) fn drop_unused(&mut self, used: &HashSet<TreeKey>) {
+        let is_known = |key: &&TreeKey| self.of_mesh.contains_key(*key);
+        let has_user: HashSet<AssetId<Mesh>> = used.iter().filter(is_known).map(|key| key.mesh).collect();
+        let before = self.of_mesh.len();
+        self.of_mesh
+            .retain(|key, _| used.contains(key) || !has_user.contains(&key.mesh));
+        self.version += (before - self.of_mesh.len()) as u64;
     }
 
     /// The tree of the current mesh. `None` while a modified mesh is being built, or if it could not be.

@@ -4,11 +4,11 @@ use bevy::prelude::*;
 
 use super::look::Look;
 use super::subject::{Around, SubjectItem};
-use super::suspects::Told;
-use crate::anchors::MorphSurfaceAnchor;
+use crate::app::WarnOnce;
+use crate::surface::MorphSurfaceAnchor;
 
 /// Looks at what the anchor of an entity follows.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
     let Some(anchor) = subject.anchor else {
         return Look::Done;
     };
@@ -20,7 +20,7 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &
         Err(None) => return Look::Again,
         Err(Some(problem)) => problem,
     };
-    told.warn("MorphSurfaceAnchor", around.about(subject.entity), || {
+    log.warn("MorphSurfaceAnchor", around.about(subject.entity), || {
         let name = around.name(subject.entity);
         format!("the `MorphSurfaceAnchor` of entity {name} follows nothing: {problem}")
     });

@@ -2,17 +2,17 @@
 
 use super::look::Look;
 use super::subject::{Around, SubjectItem};
-use super::suspects::Told;
+use crate::app::WarnOnce;
 
 /// Looks at the components of an entity that should be a body, or have one.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
     let entity = subject.entity;
     let is_body = subject.collider.is_some() || subject.parts || subject.scene.is_some();
     if subject.teleported && is_new && !is_body {
         // The next run removes it.
         let is_above = around.any_below(entity, |it| it.collider.is_some() || it.parts || it.scene.is_some());
         if !is_above && !around.is_pending(entity) {
-            told.warn("MorphTeleported", around.about(entity), || {
+            log.warn("MorphTeleported", around.about(entity), || {
                 format!(
                     "`MorphTeleported` has no effect on entity {}: it is no body, and no collider is at or below it. Put it on the \
                      entity that you move elsewhere",
@@ -30,7 +30,7 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &
         return Look::Again;
     }
     if is_idle_root {
-        told.warn("MorphBodyRoot", around.about(entity), || {
+        log.warn("MorphBodyRoot", around.about(entity), || {
             let (why, remedy) = match around.settings.every_deforming_mesh {
                 None => (
                     "`MorphCollisionSettings::every_deforming_mesh` is not set",
@@ -46,7 +46,7 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &
         });
     }
     if is_idle_list {
-        told.warn("MorphCollidingEntities", around.about(entity), || {
+        log.warn("MorphCollidingEntities", around.about(entity), || {
             format!(
                 "`MorphCollidingEntities` of entity {} stays empty: the entity is neither a collider nor a body. Put it on one, such as \
                  the entity with `MorphColliderScene`",

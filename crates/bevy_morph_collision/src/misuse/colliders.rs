@@ -3,25 +3,25 @@
 use super::look::Look;
 use super::physics;
 use super::subject::{Around, SubjectItem};
-use super::suspects::Told;
+use crate::app::WarnOnce;
 
 /// Looks at the collider of an entity, or at what should have one.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
     if subject.collider.is_none() {
-        return without_collider(subject, around, is_new, told);
+        return without_collider(subject, around, is_new, log);
     }
     if subject.shape {
-        with_shape(subject, around, told);
+        with_shape(subject, around, log);
         return Look::Done;
     }
     if subject.mesh {
         return Look::Done;
     }
-    without_mesh(subject, around, is_new, told)
+    without_mesh(subject, around, is_new, log)
 }
 
 /// A collider that has nothing to collide with.
-fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
+fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
     let entity = subject.entity;
     let (component, scene, has_scene) = match physics::collider_of(subject) {
         Some((component, scene, has_scene)) => (component, scene, has_scene),
@@ -29,7 +29,7 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut
     };
     let name = || around.name(entity);
     if has_scene || subject.scene.is_some() || around.spawned.is_root(entity) {
-        told.warn("collider on a scene", around.about(entity), || {
+        log.warn("collider on a scene", around.about(entity), || {
             let remedy = if has_scene {
                 format!("Remove it, and set `{scene}::collider`")
             } else {
@@ -45,7 +45,7 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut
     if is_new || around.spawned.any_is_pending(&around.names) {
         return Look::Again;
     }
-    told.warn("collider without a mesh", around.about(entity), || {
+    log.warn("collider without a mesh", around.about(entity), || {
         let remedy = if around.any_below(entity, |it| it.mesh) {
             format!("There are meshes on entities below it: use `{scene}` instead, or put `{component}` on them")
         } else {
@@ -60,7 +60,7 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut
 }
 
 /// Components that ask something of a mesh that does not collide.
-fn with_shape(subject: &SubjectItem, around: &Around, told: &mut Told) {
+fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
     let entity = subject.entity;
     let physics = physics::collider_of(subject).map(|(component, ..)| component);
     let is_continuous = subject.collider.is_some_and(|collider| collider.continuous);
@@ -87,7 +87,7 @@ fn with_shape(subject: &SubjectItem, around: &Around, told: &mut Told) {
         ),
     ];
     for (_, component, remedy) in without_effect.into_iter().filter(|(is_there, ..)| *is_there) {
-        told.warn(component, around.about(entity), || {
+        log.warn(component, around.about(entity), || {
             format!(
                 "`{component}` has no effect on entity {}: its `MorphShape` collides instead of a mesh. To change that, {remedy}",
                 around.name(entity)
@@ -97,7 +97,7 @@ fn with_shape(subject: &SubjectItem, around: &Around, told: &mut Told) {
 }
 
 /// Components that only a collider uses.
-fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
+fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
     let entity = subject.entity;
     let on_a_part = "put it on a part of the scene; `MorphColliders` lists them";
     let without_effect = [
@@ -121,7 +121,7 @@ fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, told: 
         if !has_own_scene && (is_new || around.spawned.any_is_pending(&around.names)) {
             return Look::Again;
         }
-        told.warn(component, around.about(entity), || {
+        log.warn(component, around.about(entity), || {
             let name = around.name(entity);
             if has_own_scene {
                 format!(

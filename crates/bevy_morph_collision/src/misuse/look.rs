@@ -5,8 +5,8 @@ use std::time::Duration;
 use bevy::prelude::*;
 
 use super::subject::Around;
-use super::suspects::Suspects;
 use super::{anchors, bodies, colliders, physics, scenes};
+use crate::app::Suspects;
 
 /// What is known after a look at one aspect of an entity.
 #[derive(Clone, Copy, PartialEq)]
@@ -30,13 +30,13 @@ pub(super) fn look_at_suspects(mut suspects: ResMut<Suspects>, around: Around, t
         let Ok(subject) = around.subjects.get(entity) else {
             continue;
         };
-        let told = suspects.told();
+        let log = suspects.log();
         let looks = [
-            physics::look(&subject, &around, told),
-            colliders::look(&subject, &around, is_new, told),
-            bodies::look(&subject, &around, is_new, told),
-            scenes::look(&subject, &around, is_new, told),
-            anchors::look(&subject, &around, is_new, told),
+            physics::look(&subject, &around, log),
+            colliders::look(&subject, &around, is_new, log),
+            bodies::look(&subject, &around, is_new, log),
+            scenes::look(&subject, &around, is_new, log),
+            anchors::look(&subject, &around, is_new, log),
         ];
         if looks.contains(&Look::Again) {
             suspects.note_for_later(entity);

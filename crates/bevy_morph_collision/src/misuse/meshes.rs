@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::look::FRAME;
 use super::subject::Around;
-use super::suspects::{PATIENCE, Suspects};
+use crate::app::{PATIENCE, Suspects};
 use crate::import::{FurtherInfluences, MorphTrees, TreeKey};
 
 pub(super) fn any_is_missing(trees: Res<MorphTrees>) -> bool {
@@ -28,7 +28,7 @@ pub(super) fn warn_of_missing_meshes(
         let is_loading = around.names.is_loading(key.mesh);
         still_waiting.insert(key, if is_loading { Duration::ZERO } else { waited });
         if !is_loading && waited >= PATIENCE {
-            suspects.told().warn("missing mesh", around.about(asked_by), || {
+            suspects.log().warn("missing mesh", around.about(asked_by), || {
                 format!(
                     "the mesh of entity {} is not in `Assets<Mesh>`: it was removed, or never added. The entity is left out until the \
                      mesh is there",
@@ -59,7 +59,7 @@ pub(super) fn warn_of_joint_weights(around: Around, mut suspects: ResMut<Suspect
             continue;
         }
         let about = file.clone().unwrap_or_else(|| around.about(asked_by));
-        suspects.told().warn("joint weights", about, || {
+        suspects.log().warn("joint weights", about, || {
             let name = around.names.entity(asked_by);
             let mesh = file.map_or_else(|| "the mesh".into(), |path| format!("mesh `{path}`"));
             format!(

@@ -4,7 +4,6 @@
 //! looked at in the same frame, for what is certainly wrong. If it still lacks something, it is looked at again some seconds later,
 //! when scenes are loaded. Then it is forgotten.
 //!
-//! - `suspects`: the entities to look at, and what has been logged.
 //! - `look`: the system that looks at them.
 //! - `subject`: the components of one entity.
 //! - `colliders`: components that need a collider, and colliders without a mesh.
@@ -22,22 +21,19 @@ mod meshes;
 mod physics;
 mod scenes;
 mod subject;
-mod suspects;
 
 use bevy::prelude::*;
 
-use crate::anchors::MorphSurfaceAnchor;
-use crate::body::{MorphBodyRoot, MorphColliderOf};
-use crate::collider::{MorphCollider, MorphColliderDisabled};
-use crate::continuous::MorphTeleported;
-use crate::events::{MorphCollidingEntities, MorphCollisionEventsEnabled};
+use crate::app::{MorphCollisionSystems, Suspects};
+use crate::components::{
+    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionEventsEnabled,
+    MorphCollisionLayers, MorphTeleported,
+};
+use crate::events::MorphCollidingEntities;
 use crate::import::{self, MorphTreeSettings};
-use crate::layers::MorphCollisionLayers;
-use crate::plugin::MorphCollisionSystems;
-use crate::scene_outcomes;
 use crate::self_collisions::MorphSelfCollisions;
-
-pub(crate) use suspects::Suspects;
+use crate::setup::report_outcomes;
+use crate::surface::MorphSurfaceAnchor;
 
 /// Components whose entity is looked at when they are added. Scenes are noted when they change.
 type Watched = (
@@ -74,7 +70,7 @@ pub(crate) fn add(app: &mut App) {
             .chain()
             .in_set(MorphCollisionSystems::Import)
             .after(import::finish_trees)
-            .after(scene_outcomes::report_outcomes),
+            .after(report_outcomes),
     );
 }
 
@@ -83,13 +79,13 @@ mod tests {
     use bevy::mesh::MeshPlugin;
 
     use super::*;
-    use crate::MorphCollisionPlugin;
+    use crate::plugins::MorphCollisionPlugin;
 
     #[test]
     fn colliders_that_lack_nothing_are_forgotten_after_a_bounded_number_per_frame() {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin))
-            .add_plugins(MorphCollisionPlugin::default());
+            .add_plugins(MorphCollisionPlugin);
         app.finish();
         app.cleanup();
         let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(Cuboid::default());

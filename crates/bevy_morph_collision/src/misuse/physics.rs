@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::look::Look;
 use super::subject::{Around, SubjectItem};
-use super::suspects::Told;
+use crate::app::WarnOnce;
 
 /// Notes entities that get a component of a physics engine.
 pub(super) fn watch(app: &mut App) {
@@ -37,16 +37,16 @@ pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'stat
 
 /// Warns of components for a physics engine that the app, or this crate's plugin for it, lacks.
 #[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
-pub(super) fn look(subject: &SubjectItem, around: &Around, told: &mut Told) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -> Look {
     #[cfg(feature = "rapier")]
     if let Some(plugin) = around.rapier.plugin() {
         let components = ["MorphRapierCollider", "MorphRapierScene"];
-        warn_of(subject.rapier, components, plugin, (subject, around), told);
+        warn_of(subject.rapier, components, plugin, (subject, around), log);
     }
     #[cfg(feature = "avian")]
     if let Some(plugin) = around.avian.plugin() {
         let components = ["MorphAvianCollider", "MorphAvianScene"];
-        warn_of(subject.avian, components, plugin, (subject, around), told);
+        warn_of(subject.avian, components, plugin, (subject, around), log);
     }
     Look::Done
 }
@@ -57,7 +57,7 @@ fn warn_of(
     names: [&'static str; 2],
     [plugin, value]: [&str; 2],
     (subject, around): (&SubjectItem, &Around),
-    told: &mut Told,
+    log: &mut WarnOnce,
 ) {
     let component = match (collider, scene) {
         (_, true) => names[1],
@@ -65,7 +65,7 @@ fn warn_of(
         (false, false) => return,
     };
     // The app lacks it, whichever entity shows that first.
-    told.warn(names[0], String::new(), || {
+    log.warn(names[0], String::new(), || {
         let name = around.name(subject.entity);
         format!(
             "`{component}` has no effect on entity {name}, because the app lacks `{plugin}`: write app.add_plugins({value})"

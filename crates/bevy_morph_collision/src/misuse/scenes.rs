@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use super::look::Look;
 use super::subject::{Around, SubjectItem};
-use super::suspects::Told;
-use crate::scene::MorphColliderScene;
-use crate::scene_outcomes::SceneState;
+use crate::app::WarnOnce;
+use crate::components::MorphColliderScene;
+use crate::setup::SceneState;
 
 /// How many names a message lists.
 const LISTED: usize = 20;
@@ -20,7 +20,7 @@ struct Part<'a> {
 }
 
 /// Looks at the scene of an entity, once its meshes are there.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &mut Told) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
     let Some(scene) = subject.scene else { return Look::Done };
     let state = around.spawned.state(subject.entity, &around.hierarchy, &around.names);
     match state {
@@ -32,7 +32,7 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &
     }
     let parts = parts(subject, around);
     if parts.is_empty() {
-        told.warn("scene without meshes", around.about(subject.entity), || {
+        log.warn("scene without meshes", around.about(subject.entity), || {
             let remedy = match state {
                 None => "Put it on the entity that spawns the scene (`WorldAssetRoot`), or above the meshes",
                 Some(_) => "Is it the right scene of the file?",
@@ -42,8 +42,8 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, told: &
         });
         return Look::Done;
     }
-    unknown_names(subject, scene, &parts, around, told);
-    rigid_meshes(subject, scene, &parts, around, told);
+    unknown_names(subject, scene, &parts, around, log);
+    rigid_meshes(subject, scene, &parts, around, log);
     Look::Done
 }
 
@@ -68,7 +68,13 @@ fn parts<'a>(subject: &SubjectItem, around: &'a Around) -> Vec<Part<'a>> {
 }
 
 /// Warns of names that no mesh has.
-fn unknown_names(subject: &SubjectItem, scene: &MorphColliderScene, parts: &[Part], around: &Around, told: &mut Told) {
+fn unknown_names(
+    subject: &SubjectItem,
+    scene: &MorphColliderScene,
+    parts: &[Part],
+    around: &Around,
+    log: &mut WarnOnce,
+) {
     let known: BTreeSet<&str> = parts.iter().flat_map(|part| part.names.iter().copied()).collect();
     let unknown = scene.only_named.iter().filter(|name| !known.contains(name.as_str()));
     let unknown = list(unknown.map(String::as_str));
@@ -76,7 +82,7 @@ fn unknown_names(subject: &SubjectItem, scene: &MorphColliderScene, parts: &[Par
         return;
     }
     let about = format!("{} {unknown}", around.about(subject.entity));
-    told.warn("unknown names", about, || {
+    log.warn("unknown names", about, || {
         let name = around.name(subject.entity);
         let known = match known.is_empty() {
             true => "None of them has a name".into(),
@@ -90,7 +96,13 @@ fn unknown_names(subject: &SubjectItem, scene: &MorphColliderScene, parts: &[Par
 }
 
 /// Warns if everything wanted is left out because it is rigid.
-fn rigid_meshes(subject: &SubjectItem, scene: &MorphColliderScene, parts: &[Part], around: &Around, told: &mut Told) {
+fn rigid_meshes(
+    subject: &SubjectItem,
+    scene: &MorphColliderScene,
+    parts: &[Part],
+    around: &Around,
+    log: &mut WarnOnce,
+) {
     if !scene.only_deforming {
         return;
     }
@@ -110,7 +122,7 @@ fn rigid_meshes(subject: &SubjectItem, scene: &MorphColliderScene, parts: &[Part
         return;
     }
     let about = format!("{} {which}", around.about(subject.entity));
-    told.warn("rigid meshes", about, || {
+    log.warn("rigid meshes", about, || {
         let name = around.name(subject.entity);
         format!(
             "`MorphColliderScene` of entity {name} makes no colliders of {which}, because no mesh there has morph targets or joints. To \

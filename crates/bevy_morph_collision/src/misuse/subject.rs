@@ -7,19 +7,16 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use crate::anchors::MorphSurfaceAnchor;
-use crate::body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
-use crate::collider::{MorphCollider, MorphColliderDisabled};
-use crate::continuous::MorphTeleported;
-use crate::events::{MorphCollidingEntities, MorphCollisionEventsEnabled};
-use crate::import::{MorphTreeSettings, MorphTrees, Shows, TreeKey, key_of};
-use crate::layers::MorphCollisionLayers;
-use crate::names::Names;
-use crate::scene::{Hierarchy, MorphColliderScene};
+use crate::app::Names;
+use crate::components::{
+    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
+    MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionSettings, MorphShape, MorphTeleported,
+};
+use crate::events::MorphCollidingEntities;
+use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
 use crate::self_collisions::MorphSelfCollisions;
-use crate::settings::MorphCollisionSettings;
-use crate::shape::MorphShape;
-use crate::spawned_scenes::SpawnedScenes;
+use crate::setup::{Hierarchy, Shows, SpawnedScenes, key_of};
+use crate::surface::MorphSurfaceAnchor;
 
 /// The components of one entity.
 #[derive(QueryData)]

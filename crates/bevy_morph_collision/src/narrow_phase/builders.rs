@@ -10,7 +10,7 @@ use super::motion::{SHARED_STEPS, STEPS_PER_PAIR, Way};
 use super::starts::Starts;
 use super::touch::{Found, Touch};
 use super::{Asked, Pair, Placed};
-use crate::collider::MorphCollisionMode;
+use crate::components::MorphCollisionMode;
 use crate::contacts::MorphContact;
 
 /// With fewer costly contacts than this, all are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not
@@ -217,8 +217,8 @@ mod tests {
     };
 
     use super::*;
-    use crate::collider::{Form, LockedPose, Placement};
-    use crate::continuous::SweptPairs;
+    use crate::broad_phase::SweptPairs;
+    use crate::state::{Form, LockedPose, Placement};
 
     /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.
     fn row(length: usize, offset: fn(usize) -> Vec3) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
@@ -241,7 +241,7 @@ mod tests {
             form: form_at(i),
             body: entities[i],
             mode: MorphCollisionMode::Contacts,
-            layers: crate::layers::MorphCollisionLayers::default(),
+            layers: crate::components::MorphCollisionLayers::default(),
             margin: 0.2,
             continuous: false,
             bounds: morph_collision::Aabb {

@@ -9,6 +9,7 @@ mod memories;
 mod motion;
 mod starts;
 mod touch;
+mod workers;
 
 use std::collections::BTreeMap;
 use std::sync::MutexGuard;
@@ -23,14 +24,12 @@ use self::builders::{Answer, Builders, Job};
 use self::memories::{Memories, keep_memories};
 use self::starts::Starts;
 use self::touch::{Found, wants_all};
+pub use self::workers::TaskPoolWorkers;
 
 use crate::broad_phase::Candidates;
-use crate::collider::{ColliderState, Form, LockedPose, MorphCollisionMode, Placement};
+use crate::components::{MorphCollisionMode, MorphCollisionSettings};
 use crate::contacts::{MorphCollisions, MorphContact};
-use crate::diagnostics::MorphCollisionDiagnostics;
-use crate::settings::MorphCollisionSettings;
-use crate::velocities::RunTimes;
-use crate::workers::TaskPoolWorkers;
+use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Placement, RunTimes};
 
 type Pair = (Entity, Entity);
 

@@ -7,9 +7,8 @@ use morph_collision::{MorphModel, QueryStats, TrianglePair};
 use super::starts::Starts;
 use super::touch::Touch;
 use super::{Asked, Placed};
-use crate::collider::MorphCollisionMode;
-use crate::contacts::{MorphContact, no_triangles};
-use crate::impact::{MorphFeatures, MorphImpact};
+use crate::components::MorphCollisionMode;
+use crate::contacts::{MorphContact, MorphFeatures, MorphImpact, no_triangles};
 
 /// The largest difference between the two ends of a time of impact, relative to the time between two runs.
 const TOLERANCE: f64 = 1e-6;

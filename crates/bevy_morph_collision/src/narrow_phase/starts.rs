@@ -7,8 +7,8 @@ use morph_collision::{Aabb, Pose, WorldFromModel};
 
 use super::builders::Job;
 use super::{Placed, UsedMesh};
-use crate::collider::{Form, LockedPose};
-use crate::continuous::SweptPairs;
+use crate::broad_phase::SweptPairs;
+use crate::state::{Form, LockedPose};
 
 /// Where meshes were in the last run. One that is needed again keeps its second pose, and what is blended in it.
 #[derive(Default)]

@@ -7,8 +7,9 @@ use morph_collision::{
 };
 
 use super::{Asked, Placed};
-use crate::collider::{Form, MorphCollisionMode};
+use crate::components::MorphCollisionMode;
 use crate::contacts::{MorphContact, MorphContactPoint, pair_with_shape};
+use crate::state::Form;
 
 /// The queries that build contacts.
 #[derive(Default)]

@@ -9,8 +9,7 @@ use super::ahead::rigid_place;
 use super::clock::Span;
 use super::placed::joints_in;
 use super::timeline::{DrawnJoints, Timeline};
-use crate::skeletons::{BindPoses, Skeletons};
-use crate::weights::drawn_weights;
+use crate::posing::{BindPoses, Skeletons, drawn_weights};
 
 /// The components that determine what a surface is drawn with.
 pub(crate) type Shows = (

@@ -9,8 +9,8 @@ use tracing::error;
 
 use super::layout;
 use super::schedule::choose;
+use crate::app::missing;
 use crate::contacts::MorphCollisions;
-use crate::plugins::missing;
 
 /// A physics engine.
 pub(crate) trait Engine: Send + Sync + 'static {

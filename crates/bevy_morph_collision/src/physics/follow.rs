@@ -16,7 +16,7 @@ use super::moment::{Moment, coordinates, displacement, posed_vertices};
 use super::motion::{between, continuous};
 use super::placed::{region, world_bounds};
 use super::surface::MorphSurface;
-use crate::weights::take_weights;
+use crate::posing::take_weights;
 
 /// The last moments of a surface. Its current state is in the [`MorphSurface`] that Rapier has.
 pub(crate) struct Following {

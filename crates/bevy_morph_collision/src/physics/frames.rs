@@ -4,7 +4,7 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 
 use super::teleport::PhysicsSurface;
-use crate::weights::drawn_weights;
+use crate::posing::drawn_weights;
 
 /// Runs after the steps of a frame. If weights changed after the last step saw them, a fixed schedule animates them.
 pub(crate) fn after_steps<S: PhysicsSurface>(

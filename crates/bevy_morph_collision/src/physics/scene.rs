@@ -5,8 +5,8 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
-use crate::collider::{MorphCollider, MorphCollisionMode};
-use crate::scene::{MorphColliderScene, ScenePart};
+use crate::components::{MorphCollider, MorphColliderScene, MorphCollisionMode};
+use crate::setup::ScenePart;
 
 /// A component on the root of a scene that adds each part to the physics of one engine.
 pub(crate) trait PhysicsScene: Component {

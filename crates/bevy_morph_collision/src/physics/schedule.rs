@@ -6,7 +6,7 @@ use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use tracing::{error, warn};
 
-use crate::changes::is_fixed;
+use crate::app::is_fixed;
 
 /// The schedules that have a system in a set.
 pub(crate) fn schedules_with(app: &App, set: impl SystemSet) -> Vec<InternedScheduleLabel> {

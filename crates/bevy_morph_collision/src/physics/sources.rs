@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::drawn::Live;
 use super::follow::Following;
-use crate::skeletons::{BindPoses, Skeletons};
+use crate::posing::{BindPoses, Skeletons};
 
 /// What a surface is drawn with, as components.
 type Shown<'a> = (

@@ -6,8 +6,7 @@ use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
 use super::follow::Following;
-use crate::body::MorphColliders;
-use crate::continuous::{MorphTeleported, with_descendants};
+use crate::components::{MorphColliders, MorphTeleported, with_descendants};
 
 /// A surface in the physics of one engine.
 pub(crate) trait PhysicsSurface: Component<Mutability = Mutable> {

@@ -59,7 +59,8 @@ pub use scene::MorphRapierScene;
 pub use step::MorphRapierDiagnostics;
 pub use velocity::MorphRapierVelocity;
 
-use crate::collider::{MorphCollider, MorphCollisionMode};
+use crate::app::MorphCollisionSystems;
+use crate::components::{MorphCollider, MorphCollisionMode};
 use crate::physics::clock::Timing;
 use crate::physics::engine::{self, Engine};
 use crate::physics::frames::{after_steps, remember_places};
@@ -67,7 +68,6 @@ use crate::physics::layout;
 use crate::physics::scene::give_to_parts;
 use crate::physics::schedule::{follow_fixed_loop, runs_fixed, schedules_with};
 use crate::physics::teleport::put_elsewhere;
-use crate::plugin::MorphCollisionSystems;
 
 /// Makes the mesh of a [`MorphCollider`] a Rapier collider: bodies collide with it as it morphs.
 ///
@@ -90,7 +90,7 @@ use crate::plugin::MorphCollisionSystems;
 /// even for a skinned mesh.
 ///
 /// The surface exists while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and while nothing
-/// disables it: [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing
+/// disables it: [`MorphColliderDisabled`](crate::components::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing
 /// collision detection does not pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the
 /// origin, it is left out. This is logged once.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -102,7 +102,7 @@ pub struct MorphRapierCollider {
     /// instead of moved. Such a change counts as motion only when the next step confirms it; until then it does not throw anything.
     /// The default is 100, ten times the acceleration of a fall.
     ///
-    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::MorphTeleported).
+    /// To say that a change is no motion however small it is, insert [`MorphTeleported`](crate::components::MorphTeleported).
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///
@@ -134,7 +134,7 @@ impl Default for MorphRapierCollider {
 
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphRapierCollider`].
 ///
-/// Part of [`MorphPlugins`](crate::MorphPlugins), which may come before or after `RapierPhysicsPlugin`. It gives every new physics context
+/// Part of [`MorphPlugins`](crate::plugins::MorphPlugins), which may come before or after `RapierPhysicsPlugin`. It gives every new physics context
 /// a [`MorphQueryDispatcher`].
 ///
 /// ```no_run
@@ -143,7 +143,7 @@ impl Default for MorphRapierCollider {
 /// use bevy_rapier3d::prelude::*;
 ///
 /// # let mut app = App::new();
-/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins::default()));
+/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins));
 /// # fn spawn(mut commands: Commands, jelly: Handle<Mesh>) {
 /// commands.spawn((Mesh3d(jelly), MorphRapierCollider::default()));
 /// commands.spawn((RigidBody::Dynamic, Collider::ball(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 
 use super::MorphRapierCollider;
+use crate::components::MorphColliderScene;
 use crate::physics::scene::{PhysicsScene, passive};
-use crate::scene::MorphColliderScene;
 
 /// Gives every part of a [`MorphColliderScene`] a [`MorphRapierCollider`]. Put it on the root of the scene.
 ///

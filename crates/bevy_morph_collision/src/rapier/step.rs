@@ -25,7 +25,7 @@ use super::stages::{Role, drive, follow, push, show, tell_too_large};
 use super::timestep::{is_between_steps, is_one_step, stride, substep, time_ahead, whole_steps};
 use super::touches::tell_whole;
 use super::world::{Audience, Movers, Step, World};
-use crate::collider::MorphColliderDisabled;
+use crate::components::MorphColliderDisabled;
 use crate::physics::clock::{StepTime, Timing};
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;

@@ -18,7 +18,7 @@ use crate::physics::follow::Following;
 /// They combine morphing, joints and the motion of the entity and its kinematic body. Call it before
 /// [`PhysicsSet::SyncBackend`](bevy_rapier3d::plugin::PhysicsSet::SyncBackend) or after
 /// [`PhysicsSet::Writeback`](bevy_rapier3d::plugin::PhysicsSet::Writeback). For velocities between rendered frames of any
-/// [`MorphCollider`](crate::MorphCollider), use
+/// [`MorphCollider`](crate::components::MorphCollider), use
 /// [`MorphSpatialQuery::surface_velocity`](crate::MorphSpatialQuery::surface_velocity).
 ///
 /// Systems with this parameter do not run in parallel with each other.

@@ -17,10 +17,8 @@ use super::proofs::Proofs;
 use super::regions::{Changes, middle, replace};
 use super::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
 use crate::broad_phase::Candidates;
-use crate::collider::{ColliderState, Form};
-use crate::diagnostics::MorphCollisionDiagnostics;
-use crate::events::MorphCollisionEventsEnabled;
-use crate::settings::MorphCollisionSettings;
+use crate::components::{MorphCollisionEventsEnabled, MorphCollisionSettings};
+use crate::state::{ColliderState, Form, MorphCollisionDiagnostics};
 
 /// The plugin's state for one [`MorphSelfCollisions`].
 #[derive(Component, Default)]

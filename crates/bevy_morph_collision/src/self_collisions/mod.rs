@@ -7,10 +7,21 @@ mod regions;
 use bevy::prelude::*;
 use morph_collision::TrianglePair;
 
-pub(crate) use self::find::{SelfState, end_with_component, find_self_collisions, report_self_collisions};
+pub(crate) use self::find::{SelfState, find_self_collisions, report_self_collisions};
 use crate::contacts::no_triangles;
 
-/// Reports where the mesh of a [`MorphCollider`](crate::MorphCollider) intersects itself: lips and teeth, a hand in the hip.
+/// Adds the messages, and registers the types for reflection.
+pub(crate) fn add(app: &mut App) {
+    app.add_message::<MorphSelfCollisionStart>()
+        .add_message::<MorphSelfCollisionEnd>()
+        .add_observer(find::end_with_component)
+        .register_type::<MorphSelfCollisions>()
+        .register_type::<MorphSelfContact>()
+        .register_type::<MorphSelfCollisionStart>()
+        .register_type::<MorphSelfCollisionEnd>();
+}
+
+/// Reports where the mesh of a [`MorphCollider`](crate::components::MorphCollider) intersects itself: lips and teeth, a hand in the hip.
 ///
 /// Put it on the entity of a mesh collider of any mode, also a passive one. The plugin updates it in every run and sends [`MorphSelfCollisionStart`] and [`MorphSelfCollisionEnd`].
 ///
@@ -84,7 +95,7 @@ impl MorphSelfCollisions {
     }
 
     /// Whether more pairs of triangles intersect than are listed. The limit is
-    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings). Which pairs are listed then depends on the
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::components::MorphCollisionSettings). Which pairs are listed then depends on the
     /// tree, so regions may end although they still intersect.
     #[must_use]
     pub fn is_truncated(&self) -> bool {
@@ -110,7 +121,7 @@ pub struct MorphSelfContact {
 /// A region of a mesh started to intersect itself.
 ///
 /// Sent for colliders with [`MorphSelfCollisions`]. It is also triggered as an entity event if the collider has
-/// [`MorphCollisionEventsEnabled`](crate::MorphCollisionEventsEnabled).
+/// [`MorphCollisionEventsEnabled`](crate::components::MorphCollisionEventsEnabled).
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphSelfCollisionStart {

@@ -14,7 +14,7 @@ pub struct MorphRayHit {
     /// The point on the surface, in world space.
     pub point: Vec3,
     /// The unit normal of the triangle, by its winding in world space; zero if the triangle has no area. On a
-    /// [`MorphShape`](crate::MorphShape), it points out of the shape; zero if the ray starts inside.
+    /// [`MorphShape`](crate::components::MorphShape), it points out of the shape; zero if the ray starts inside.
     pub normal: Vec3,
     /// Which side of the triangle the ray sees; [`Facing::Front`] on a shape. Not reflected: it is [`Facing::EdgeOn`] in a value created by reflection.
     #[reflect(ignore, default = "edge_on")]
@@ -46,11 +46,11 @@ pub struct MorphShapeHit {
     /// The unit vector from the collider towards the shape. It may be zero if they touch at the start.
     pub normal: Vec3,
     /// The triangle's number in its mesh; [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) for a collider that is a
-    /// [`MorphShape`](crate::MorphShape).
+    /// [`MorphShape`](crate::components::MorphShape).
     pub triangle: u32,
 }
 
-/// The point of a collider that is closest to a query point. Meshes are surfaces, a [`MorphShape`](crate::MorphShape) is solid.
+/// The point of a collider that is closest to a query point. Meshes are surfaces, a [`MorphShape`](crate::components::MorphShape) is solid.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphProjection {
@@ -102,7 +102,7 @@ pub struct MorphManifold {
     /// How many pairs of triangles (or triangles and a shape) intersect, among those looked at.
     pub pair_count: usize,
     /// Whether more pairs intersect than were looked at; see
-    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::components::MorphCollisionSettings).
     pub is_truncated: bool,
     /// At most four contact points, deepest first.
     pub points: Vec<MorphContactPoint>,

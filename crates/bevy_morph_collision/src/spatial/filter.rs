@@ -1,6 +1,6 @@
 use bevy::prelude::*;
 
-use crate::collider::Placement;
+use crate::state::Placement;
 
 /// Which colliders a spatial query considers. The default is all of them; the layers they collide with do not matter.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]

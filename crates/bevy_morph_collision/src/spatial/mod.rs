@@ -14,7 +14,20 @@ mod state;
 mod surface;
 mod velocity;
 
+use bevy::prelude::*;
+
 pub use answer::{MorphClosestPoints, MorphManifold, MorphProjection, MorphRayHit, MorphShapeHit};
 pub use filter::MorphQueryFilter;
 pub use query::MorphSpatialQuery;
-pub(crate) use state::SpatialState;
+use state::SpatialState;
+
+/// Adds the state of queries, and registers the types for reflection.
+pub(crate) fn add(app: &mut App) {
+    app.init_resource::<SpatialState>()
+        .register_type::<MorphRayHit>()
+        .register_type::<MorphProjection>()
+        .register_type::<MorphShapeHit>()
+        .register_type::<MorphClosestPoints>()
+        .register_type::<MorphManifold>()
+        .register_type::<MorphQueryFilter>();
+}

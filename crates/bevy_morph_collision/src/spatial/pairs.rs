@@ -59,7 +59,7 @@ impl MorphSpatialQuery<'_, '_> {
 
     /// The contact points of two colliders. `None` if they do not touch, if one of them does not exist, or if both are shapes.
     ///
-    /// Looks at no more than [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings) pairs of triangles.
+    /// Looks at no more than [`MorphCollisionSettings::max_triangle_pairs`](crate::components::MorphCollisionSettings) pairs of triangles.
     #[must_use]
     pub fn contacts(&self, a: Entity, b: Entity) -> Option<MorphManifold> {
         let limit = self.list_limit();

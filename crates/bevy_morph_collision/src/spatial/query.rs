@@ -8,11 +8,10 @@ use super::MorphQueryFilter;
 use super::state::{Queries, Scratch, SpatialState};
 use super::surface::Surfaces;
 use crate::broad_phase::Candidates;
-use crate::collider::{ColliderState, Form};
-use crate::settings::MorphCollisionSettings;
-use crate::velocities::RunTimes;
+use crate::components::MorphCollisionSettings;
+use crate::state::{ColliderState, Form, RunTimes};
 
-/// Spatial queries for [`MorphCollider`](crate::MorphCollider)s in their current pose: ray casts, shape casts, intersections,
+/// Spatial queries for [`MorphCollider`](crate::components::MorphCollider)s in their current pose: ray casts, shape casts, intersections,
 /// closest points and contacts.
 ///
 /// The parameter only reads, and its methods take `&self`, so any number of systems and threads can query at the same time. It
@@ -25,8 +24,8 @@ use crate::velocities::RunTimes;
 /// - **Order.** In the plugin's own schedule, order your system before
 ///   [`MorphCollisionSystems::Weights`](crate::MorphCollisionSystems::Weights) or after
 ///   [`MorphCollisionSystems::Events`](crate::MorphCollisionSystems::Events). In between, weights are new but transforms are old.
-/// - **What is found.** Colliders that are [disabled](crate::MorphColliderDisabled) or whose mesh is not loaded yet are not
-///   found. Meshes are surfaces, [`MorphShape`](crate::MorphShape)s are solid: a ray that starts inside a shape hits it at once.
+/// - **What is found.** Colliders that are [disabled](crate::components::MorphColliderDisabled) or whose mesh is not loaded yet are not
+///   found. Meshes are surfaces, [`MorphShape`](crate::components::MorphShape)s are solid: a ray that starts inside a shape hits it at once.
 /// - **Cost.** A tree over the boxes of all colliders finds the relevant ones. The first query after a run with changes updates
 ///   this tree, which visits every collider.
 /// - **Predicates.** Each method with a filter has a variant that also calls a predicate for every collider that it would look

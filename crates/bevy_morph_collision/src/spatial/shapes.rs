@@ -6,8 +6,8 @@ use morph_collision::{Aabb, InputError, PlacedShape, Rank, ShapeImpact};
 use super::query::Target;
 use super::rays::{HitRank, checked_ray, enters};
 use super::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
+use crate::components::MorphShape;
 use crate::contacts::MorphContact;
-use crate::shape::MorphShape;
 
 impl MorphSpatialQuery<'_, '_> {
     /// The colliders that a solid shape intersects, ascending.

@@ -10,7 +10,7 @@ use tracing::warn;
 
 use super::index::{ColliderIndex, Queue};
 use crate::broad_phase::Candidates;
-use crate::collider::ColliderState;
+use crate::state::ColliderState;
 
 /// State that the spatial queries of all systems share. Locks are held briefly, never while a query runs.
 #[derive(Resource, Default)]

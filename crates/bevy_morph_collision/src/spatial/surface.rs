@@ -4,8 +4,8 @@ use bevy::ecs::system::SystemParam;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use crate::collider::ColliderState;
 use crate::import::{MorphTrees, influences_of, uv_of};
+use crate::state::ColliderState;
 
 /// The meshes that colliders show.
 #[derive(SystemParam)]

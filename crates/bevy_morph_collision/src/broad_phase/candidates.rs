@@ -1,0 +1,328 @@
+//! Places colliders in the world and finds pairs that are close enough to compare.
+
+use bevy::platform::time::Instant;
+
+use bevy::ecs::query::QueryData;
+use bevy::prelude::*;
+use morph_collision::{Aabb, InputError, WorldFromModel, overlapping_pairs};
+use tracing::{debug_span, error};
+
+use super::swept_pairs::SweptPairs;
+use super::teleports::Teleports;
+use crate::app::Names;
+use crate::components::{
+    MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape, body_of,
+};
+use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Placement, Skip};
+
+/// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
+#[derive(Resource, Default)]
+pub(crate) struct Candidates {
+    pub(crate) pairs: Vec<(Entity, Entity)>,
+    /// Pairs to compare on their way from the last run, whether or not they are in `pairs`.
+    pub(crate) swept: SweptPairs,
+    /// Whether any collider changed, was added or was removed since the previous run.
+    pub(crate) changed: bool,
+    run: u32,
+    /// Increases in every run in which a collider moved, was added or was removed.
+    pub(crate) version: u64,
+    // Kept to reuse memory, and for runs without changes.
+    colliders: Vec<(Entity, Placement)>,
+    /// The colliders in the order of the query, with their indices in `colliders`. As long as the query returns the same entities
+    /// in the same order, nothing is sorted.
+    indices: Vec<(Entity, u32)>,
+    /// Scratch memory for sorting.
+    order: Vec<(Entity, u32)>,
+    bounds: Vec<Option<Aabb>>,
+    overlaps: Vec<(u32, u32)>,
+    counts: Counts,
+}
+
+/// What happened to overlapping pairs.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    overlaps: u64,
+    same_body: u64,
+    layers: u64,
+    passive: u64,
+    rigid: u64,
+    nodes: u64,
+}
+
+/// The components that decide whether and where a collider takes part.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Participant {
+    entity: Entity,
+    collider: &'static MorphCollider,
+    layers: Option<&'static MorphCollisionLayers>,
+    state: &'static mut ColliderState,
+    transform: Ref<'static, GlobalTransform>,
+    body: Option<&'static MorphColliderOf>,
+    shape: Option<Ref<'static, MorphShape>>,
+    is_disabled: Has<MorphColliderDisabled>,
+}
+
+/// Places all colliders and pairs those of different bodies whose world-space bounds overlap.
+///
+/// This refits only the root box of each tree, and only if something changed. A collider with a transform that is not finite is
+/// left out and logged once, until the transform is finite again. Transforms of skinned meshes do not matter.
+pub(crate) fn find_candidates(
+    mut colliders: Query<Participant>,
+    names: Names,
+    mut teleports: Teleports,
+    mut candidates: ResMut<Candidates>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let _span = debug_span!("morph_collision::broad_phase").entered();
+    let candidates = &mut *candidates;
+    candidates.run = candidates.run.wrapping_add(1);
+    let mut present = 0;
+    let (mut changed, mut any_moved, mut any_continuous) = (false, false, false);
+    for mut participant in &mut colliders {
+        any_continuous |= participant.collider.continuous;
+        let stale = participant.state.seen.wrapping_add(1) != candidates.run;
+        if !stale && participant.rests() {
+            participant.state.seen = candidates.run;
+            present += 1;
+            continue;
+        }
+        let reposed = participant.state.reposed && participant.state.pose.is_some();
+        diagnostics.stats.nodes_blended += u64::from(reposed);
+        let place = participant.place(stale);
+        let state = &mut *participant.state;
+        state.seen = candidates.run;
+        let bad_place = place.is_err();
+        let placed = place.unwrap_or_else(|error| {
+            if !state.bad_place {
+                let name = names.with_file(participant.entity);
+                error!("entity {name} is left out of collisions: {error}");
+            }
+            None
+        });
+        state.bad_place = bad_place;
+        let moved = stale || placed != state.placed;
+        any_moved |= moved;
+        state.changed |= moved;
+        let took_part = std::mem::replace(&mut state.placed, placed).is_some();
+        let is_behind = state.follow(stale, participant.collider.tolerance);
+        diagnostics.held_colliders += u64::from(is_behind);
+        changed |= state.changed && (placed.is_some() || took_part);
+        present += usize::from(placed.is_some());
+    }
+    candidates.changed = changed || present != candidates.colliders.len();
+    let elsewhere = teleports.take();
+    let is_interrupted = std::mem::take(&mut candidates.swept.is_interrupted);
+    candidates.swept.clear();
+    let any_way = any_continuous && !is_interrupted && candidates.changed;
+    if any_way {
+        candidates.swept.remember(&candidates.colliders);
+    }
+    if candidates.changed {
+        candidates.sweep(&colliders);
+    }
+    if any_way {
+        candidates.swept.find(&candidates.colliders, &elsewhere);
+    }
+    candidates.version += u64::from(candidates.changed || any_moved);
+
+    let Counts {
+        overlaps,
+        same_body,
+        layers,
+        passive,
+        rigid,
+        nodes,
+    } = candidates.counts;
+    diagnostics.nodes_total = nodes;
+    diagnostics.colliders = candidates.colliders.len() as u64;
+    diagnostics.overlapping_pairs = overlaps;
+    diagnostics.skipped_same_body = same_body;
+    diagnostics.skipped_layers = layers;
+    diagnostics.skipped_passive = passive;
+    diagnostics.skipped_rigid = rigid;
+    diagnostics.candidate_pairs = candidates.pairs.len() as u64;
+    diagnostics.duration += start.elapsed();
+}
+
+impl ParticipantItem<'_, '_> {
+    /// Whether nothing about a collider has changed since the last run: its place, its settings, and anything else it depends on.
+    fn rests(&self) -> bool {
+        let Some(placed) = &self.state.placed else { return false };
+        let is_same_form = match (&placed.form, &self.shape) {
+            (Form::Mesh(_), None) => self.state.pose.is_some(),
+            (Form::Shape(_), Some(shape)) => !shape.is_changed(),
+            _ => false,
+        };
+        let state = &self.state;
+        let is_still = !state.reposed && !state.changed && state.held.is_none() && !self.transform.is_changed();
+        is_same_form
+            && is_still
+            && !self.is_disabled
+            && self.collider.tolerance == 0.0
+            && self.collider.margin == placed.margin
+            && self.collider.continuous == placed.continuous
+            && self.collider.mode == placed.mode
+            && self.layers.copied().unwrap_or_default() == placed.layers
+            && body_of(self.entity, self.body) == placed.body
+    }
+
+    /// The collider's current placement; `None` if it takes no part.
+    fn place(&mut self, stale: bool) -> Result<Option<Placement>, BadPlace> {
+        if self.is_disabled {
+            return Ok(None);
+        }
+        let state = &mut *self.state;
+        let settled = !stale && !state.reposed && !self.transform.is_changed();
+        let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
+        let before = state.placed.filter(|_| settled);
+        let kept = match before.map(|placed| placed.form) {
+            Some(Form::Mesh(_)) => state.pose.is_some() && self.shape.is_none(),
+            Some(Form::Shape(_)) => self.shape.is_some(),
+            None => false,
+        };
+        // A shape takes precedence over a mesh.
+        let (form, bounds) = match (before, &self.shape, state.pose.as_mut().map(LockedPose::get_mut)) {
+            (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
+            (_, Some(shape), _) => {
+                let (shape, bounds) = shape.place(&self.transform).map_err(BadPlace::Shape)?;
+                (Form::Shape(shape), bounds)
+            }
+            (_, None, Some(pose)) if pose.joints().is_some() => {
+                if !state.has_joints {
+                    return Ok(None);
+                }
+                // Its joints place it.
+                let place = WorldFromModel::IDENTITY;
+                (Form::Mesh(place), pose.broad_phase_bounds(&place))
+            }
+            (_, None, Some(pose)) => {
+                let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlace::Transform)?;
+                (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
+            }
+            (_, None, None) => return Ok(None),
+        };
+        let margin = self.collider.margin;
+        if !(0.0..1e30).contains(&margin) {
+            return Err(BadPlace::Margin(margin));
+        }
+        let tolerance = self.collider.tolerance;
+        if !(0.0..1e30).contains(&tolerance) {
+            return Err(BadPlace::Tolerance(tolerance));
+        }
+        // A pose keeps its root box as long as its weights and joints stay the same.
+        state.reposed = false;
+        Ok(Some(Placement {
+            form,
+            body: body_of(self.entity, self.body),
+            mode: self.collider.mode,
+            // If the user removes the layers, the defaults apply.
+            layers: self.layers.copied().unwrap_or_default(),
+            margin,
+            continuous: self.collider.continuous,
+            bounds,
+        }))
+    }
+}
+
+/// Why a collider has no placement.
+#[derive(Debug, thiserror::Error)]
+enum BadPlace {
+    #[error(transparent)]
+    Transform(InputError),
+    #[error("its shape: {0}")]
+    Shape(InputError),
+    #[error("its margin is {0}, it must be a finite number that is not negative")]
+    Margin(f32),
+    #[error("its tolerance is {0}, it must be a finite number that is not negative")]
+    Tolerance(f32),
+}
+
+impl Candidates {
+    /// The number of the last run.
+    pub(crate) fn run(&self) -> u32 {
+        self.run
+    }
+
+    /// The colliders that took part in the last run, ascending, in the state that collisions see.
+    pub(crate) fn colliders(&self) -> &[(Entity, Placement)] {
+        &self.colliders
+    }
+
+    /// Copies the placements of all colliders that take part. Returns `false` if they are not the same colliders in the same order
+    /// as before.
+    fn copy_placements(&mut self, colliders: &Query<Participant>) -> bool {
+        self.counts.nodes = 0;
+        let mut indices = self.indices.iter();
+        for participant in colliders {
+            let Some(&placed) = participant.state.seen_as() else {
+                continue;
+            };
+            match indices.next() {
+                Some(&(entity, index)) if entity == participant.entity => self.colliders[index as usize].1 = placed,
+                _ => return false,
+            }
+            let pose = participant.state.pose.as_ref();
+            self.counts.nodes += pose.map_or(0, |pose| pose.lock().bvh().node_count() as u64);
+        }
+        indices.next().is_none()
+    }
+
+    /// Sorts the colliders that take part. Placements are large, so they are not sorted themselves.
+    fn sort(&mut self, colliders: &Query<Participant>) {
+        let takes_part = |participant: &ParticipantReadOnlyItem| participant.state.seen_as().is_some();
+        let entities = colliders
+            .iter()
+            .filter(takes_part)
+            .map(|participant| participant.entity);
+        self.order.clear();
+        self.order.extend(entities.zip(0..));
+        self.indices.clone_from(&self.order);
+        self.order.sort_unstable();
+        self.colliders.clear();
+        for (&(entity, place), index) in self.order.iter().zip(0..) {
+            self.indices[place as usize].1 = index;
+            let participant = colliders.get(entity).ok();
+            let placed = participant.and_then(|participant| participant.state.seen_as().copied());
+            self.colliders.extend(placed.map(|placed| (entity, placed)));
+        }
+    }
+
+    fn sweep(&mut self, colliders: &Query<Participant>) {
+        self.counts = Counts::default();
+        if !self.copy_placements(colliders) {
+            self.sort(colliders);
+            // Counts the nodes of all of them.
+            let are_same = self.copy_placements(colliders);
+            debug_assert!(are_same);
+        }
+
+        self.bounds.clear();
+        let bounds = self
+            .colliders
+            .iter()
+            .map(|(_, placed)| Some(placed.bounds_with_margin()));
+        self.bounds.extend(bounds);
+        self.overlaps.clear();
+        overlapping_pairs(&self.bounds, &mut self.overlaps);
+
+        self.pairs.clear();
+        let counts = &mut self.counts;
+        counts.overlaps = self.overlaps.len() as u64;
+        for &(i, j) in &self.overlaps {
+            let ((a, placed_a), (b, placed_b)) = (&self.colliders[i as usize], &self.colliders[j as usize]);
+            let skipped = match placed_a.skips(placed_b) {
+                Some(Skip::SameBody) => &mut counts.same_body,
+                Some(Skip::Layers) => &mut counts.layers,
+                Some(Skip::Passive) => &mut counts.passive,
+                Some(Skip::Rigid) => &mut counts.rigid,
+                None => {
+                    self.pairs.push((*a, *b));
+                    continue;
+                }
+            };
+            *skipped += 1;
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Places colliders in the world and finds pairs that are close enough to compare.
+//!
+//! - `candidates`: pairs whose boxes overlap.
+//! - `swept_pairs`: pairs that may touch on their way from the last run. `teleports`: colliders that were put somewhere else, and have no way.
+
+mod candidates;
+mod swept_pairs;
+mod teleports;
+
+use bevy::prelude::*;
+
+pub(crate) use candidates::{Candidates, find_candidates};
+pub(crate) use swept_pairs::SweptPairs;
+
+/// Adds the candidates.
+pub(crate) fn add(app: &mut App) {
+    app.init_resource::<Candidates>();
+}

@@ -1,0 +1,51 @@
+//! What a game writes: components and settings.
+//!
+//! - `collider`, `shape`: an entity that collides, with its mesh or as a primitive shape.
+//! - `scene`: a scene whose meshes become colliders. `body`: colliders that form one body.
+//! - `layers`: what collides with what. `events_enabled`: which colliders get events.
+//! - `teleported`: an entity that was put somewhere else.
+//! - `settings`: settings for the whole app.
+//!
+//! Nothing here knows how the plugin works. Three more components are in the folder of the feature that reads them:
+//! [`MorphTreeSettings`](crate::import::MorphTreeSettings), [`MorphSelfCollisions`](crate::self_collisions::MorphSelfCollisions) and
+//! [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor).
+
+mod body;
+mod collider;
+mod events_enabled;
+mod layers;
+mod scene;
+mod settings;
+mod shape;
+mod teleported;
+
+use bevy::prelude::*;
+
+pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
+pub(crate) use body::{body_of, give_body};
+pub use collider::{MorphCollider, MorphColliderDisabled, MorphCollisionMode};
+pub use events_enabled::MorphCollisionEventsEnabled;
+pub use layers::MorphCollisionLayers;
+pub use scene::MorphColliderScene;
+pub use settings::MorphCollisionSettings;
+pub(crate) use settings::is_running;
+pub use shape::MorphShape;
+pub use teleported::MorphTeleported;
+pub(crate) use teleported::with_descendants;
+
+/// Registers the types for reflection.
+pub(crate) fn register(app: &mut App) {
+    app.register_type::<MorphCollider>()
+        .register_type::<MorphColliderDisabled>()
+        .register_type::<MorphCollisionMode>()
+        .register_type::<MorphCollisionLayers>()
+        .register_type::<MorphShape>()
+        .register_type::<MorphColliderScene>()
+        .register_type::<MorphColliderOf>()
+        .register_type::<MorphColliders>()
+        .register_type::<MorphBodyRoot>()
+        .register_type::<MorphCollisionEventsEnabled>()
+        .register_type::<MorphTeleported>()
+        .register_type::<MorphCollisionSettings>()
+        .init_resource::<MorphCollisionSettings>();
+}

@@ -1,0 +1,127 @@
+//! The contacts of the last run.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+
+use super::body_pairs::BodyPairs;
+use super::changes::Changes;
+use super::contact::MorphContact;
+
+/// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
+///
+/// Use it as a system parameter: `Res<MorphCollisions>`. It answers questions about colliders ([`contains`](Self::contains),
+/// [`get`](Self::get), [`of`](Self::of)) and about bodies ([`contains_bodies`](Self::contains_bodies),
+/// [`collisions_between_bodies`](Self::collisions_between_bodies), [`bodies_colliding_with`](Self::bodies_colliding_with)).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// #[derive(Component)]
+/// struct Wall;
+///
+/// fn count(collisions: Res<MorphCollisions>, walls: Query<Entity, With<Wall>>) {
+///     for wall in &walls {
+///         let triangles: usize = collisions.of(wall).map(|contact| contact.triangles.len()).sum();
+///         println!("{triangles} pairs of triangles touch the wall");
+///     }
+/// }
+/// # App::new().add_systems(Update, count);
+/// ```
+///
+/// # What started and ended
+///
+/// A system that runs once per frame or tick sees every change exactly once in [`MorphCollisions::started`] and
+/// [`MorphCollisions::ended`]. They are empty while the plugin is paused. Which changes they show depends on the plugin's
+/// schedule:
+///
+/// - [`PostUpdate`] (the default), or any other schedule that runs once per frame: the changes of the last run. Systems that run
+///   earlier in the frame see those of the previous frame.
+/// - A fixed schedule, for example [`FixedPostUpdate`]: systems in fixed schedules see the changes of the last run. All other
+///   systems see the changes of all runs of this frame together, and none in a frame without a tick.
+/// - A schedule of your own: the changes of its last run, until it runs again.
+///
+/// The messages [`MorphCollisionStart`](crate::events::MorphCollisionStart) and [`MorphCollisionEnd`](crate::events::MorphCollisionEnd) do not
+/// depend on the schedule: they report every change.
+#[derive(Resource, Reflect, Debug, Default)]
+#[reflect(Resource, Debug, Default)]
+pub struct MorphCollisions {
+    #[reflect(ignore)]
+    pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
+    /// The same contacts, grouped by bodies.
+    #[reflect(ignore)]
+    pub(crate) bodies: BodyPairs,
+    #[reflect(ignore)]
+    pub(crate) changes: Changes,
+    /// Whether anything was compared in this run.
+    #[reflect(ignore)]
+    pub(crate) compared: bool,
+}
+
+impl MorphCollisions {
+    /// All contacts, in ascending order of their colliders.
+    pub fn iter(&self) -> impl Iterator<Item = &MorphContact> {
+        self.current.values()
+    }
+
+    /// The contacts of one collider, in ascending order. Iterates over all contacts.
+    pub fn of(&self, collider: Entity) -> impl Iterator<Item = &MorphContact> {
+        self.iter().filter(move |contact| contact.other(collider).is_some())
+    }
+
+    /// Whether two colliders touch, in either order.
+    #[must_use]
+    pub fn contains(&self, a: Entity, b: Entity) -> bool {
+        self.get(a, b).is_some()
+    }
+
+    /// The contact of two colliders, in either order. The contact itself has them in ascending order.
+    #[must_use]
+    pub fn get(&self, a: Entity, b: Entity) -> Option<&MorphContact> {
+        self.current.get(&(a.min(b), a.max(b)))
+    }
+
+    /// The number of contacts.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.current.len()
+    }
+
+    /// Whether there are no contacts.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.current.is_empty()
+    }
+
+    /// Contacts that started. [Which ones](MorphCollisions#what-started-and-ended) depends on where you call this.
+    ///
+    /// A contact that started and ended within one frame is in the state in which it ended. One that started several times in a frame is
+    /// listed as often, each time in its last state.
+    pub fn started(&self) -> impl Iterator<Item = &MorphContact> {
+        let ended = |pair: &(Entity, Entity)| {
+            let is_one = |contact: &&MorphContact| contact.pair() == *pair;
+            self.changes.ended.iter().rev().find(is_one)
+        };
+        let started = self.changes.started().iter();
+        started.filter_map(move |pair| self.current.get(pair).or_else(|| ended(pair)))
+    }
+
+    /// Contacts that ended, in their last state. [Which ones](MorphCollisions#what-started-and-ended) depends on where you call
+    /// this.
+    pub fn ended(&self) -> impl Iterator<Item = &MorphContact> {
+        self.changes.ended().iter()
+    }
+
+    /// Contacts that started in the last run.
+    pub(crate) fn started_in_run(&self) -> impl Iterator<Item = &MorphContact> {
+        let started = self.changes.started_in_run().iter();
+        started.filter_map(|&pair| self.in_run(pair))
+    }
+
+    /// A contact that lasts, or that began and ended in the last run.
+    pub(crate) fn in_run(&self, pair: (Entity, Entity)) -> Option<&MorphContact> {
+        let passed = self.changes.passed_in_run();
+        let place = || passed.binary_search_by_key(&pair, MorphContact::pair).ok();
+        self.current.get(&pair).or_else(|| passed.get(place()?))
+    }
+}

@@ -1,0 +1,29 @@
+//! What a run found: which colliders and bodies touch, and what started and ended.
+//!
+//! - `collisions`: the contacts of the last run. `contact`: one of them. `impact`: how it began, for continuous colliders.
+//! - `body_pairs`: the same contacts, grouped by bodies.
+//! - `changes`: what started and ended, in a run or in a frame.
+
+mod body_pairs;
+mod changes;
+mod collisions;
+mod contact;
+mod impact;
+
+use bevy::prelude::*;
+
+pub(crate) use body_pairs::pair_bodies;
+pub use collisions::MorphCollisions;
+pub use contact::{MorphContact, MorphContactPoint};
+pub(crate) use contact::{no_triangles, pair_with_shape};
+pub use impact::{MorphFeatures, MorphImpact};
+
+/// Adds the contacts, and registers the types for reflection.
+pub(crate) fn add(app: &mut App) {
+    app.init_resource::<MorphCollisions>()
+        .register_type::<MorphCollisions>()
+        .register_type::<MorphContact>()
+        .register_type::<MorphContactPoint>()
+        .register_type::<MorphImpact>()
+        .register_type::<MorphFeatures>();
+}

@@ -1,0 +1,32 @@
+//! Turns Bevy's [`Mesh`] into a shared tree: copies it on the main thread, builds in the background, hands out the result.
+
+mod complaints;
+mod decode;
+#[cfg(feature = "gltf")]
+mod gltf;
+#[cfg(feature = "gltf")]
+mod influence_sets;
+mod left_out;
+mod load_failures;
+mod mesh_data;
+mod mesh_tree;
+mod progress;
+mod skin_data;
+mod tree_key;
+mod tree_settings;
+mod trees;
+mod turns;
+
+pub(crate) use complaints::{FurtherInfluences, Said};
+pub(crate) use decode::uv_of;
+#[cfg(feature = "gltf")]
+pub(crate) use gltf::repair_split_meshes;
+pub use left_out::MorphLeftOut;
+pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures};
+pub use mesh_data::ImportError;
+pub use progress::MorphTreeProgress;
+pub(crate) use skin_data::influences_of;
+pub(crate) use tree_key::TreeKey;
+pub use tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
+pub use trees::MorphTrees;
+pub(crate) use trees::{finish_trees, follow_asset_events, start_trees};

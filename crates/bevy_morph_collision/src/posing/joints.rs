@@ -1,0 +1,57 @@
+//! Copies the transforms of joints to the poses of skinned meshes.
+
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use tracing::{debug_span, error};
+
+use super::skeletons::{BindPoses, Skeletons};
+use crate::app::Names;
+use crate::components::MorphCollider;
+use crate::state::{ColliderState, MorphCollisionDiagnostics};
+
+/// Gives every skinned pose the joint matrices with which its mesh is drawn.
+///
+/// Matrices are compared by value, so a character at rest keeps its answers. Invalid matrices are logged once per skeleton, until
+/// they are valid again; the last valid ones stay in use.
+pub(crate) fn read_joints(
+    mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh), With<MorphCollider>>,
+    globals: Query<&GlobalTransform>,
+    bind_poses: Option<Res<BindPoses>>,
+    names: Names,
+    mut skeletons: Local<Skeletons>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let _span = debug_span!("morph_collision::joints").entered();
+    skeletons.begin();
+    let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
+    for (entity, mut state, skin) in &mut colliders {
+        let Some(pose) = state.pose_mut() else { continue };
+        if pose.joints().is_none() {
+            continue;
+        }
+        let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+        if let Some((joint, problem)) = skeleton.problem()
+            && !skeleton.is_reported
+        {
+            error!(
+                "the joints of entity {} cannot be used: {problem} (`{}`); the last good ones stay in force, and without any it is \
+                 left out of collisions",
+                names.with_file(entity),
+                names.entity(joint)
+            );
+            skeleton.is_reported = true;
+        }
+        let state = &mut *state;
+        if let (Some(matrices), Some(pose)) = (skeleton.matrices(), state.pose_mut())
+            && let Ok(changed) = pose.set_joints(matrices)
+        {
+            let changed = changed || !state.has_joints;
+            state.has_joints = true;
+            state.reposed |= changed;
+            state.changed |= changed;
+        }
+    }
+    diagnostics.duration += start.elapsed();
+}

@@ -1,0 +1,17 @@
+//! Gives each collider's pose the weights and joints with which its mesh is drawn.
+//!
+//! - `previous`: begins a run and keeps the state before it.
+//! - `weights`: morph weights. `joints`: joint matrices, from `skeletons`, which computes them once per skeleton.
+//! - `lent_poses`: poses for anchors and culling, which follow the drawn mesh and not the last run.
+
+mod joints;
+mod lent_poses;
+mod previous;
+mod skeletons;
+mod weights;
+
+pub(crate) use joints::read_joints;
+pub(crate) use lent_poses::LentPoses;
+pub(crate) use previous::remember;
+pub(crate) use skeletons::{BindPoses, Skeletons};
+pub(crate) use weights::{drawn_weights, read_weights, take_weights};

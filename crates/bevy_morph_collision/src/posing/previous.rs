@@ -1,0 +1,34 @@
+//! Remembers the previous state of meshes, and the time between the last two runs.
+
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+
+use crate::broad_phase::Candidates;
+use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, RunTimes};
+
+/// Begins a run: saves the current state of every mesh as its previous state.
+///
+/// Costs one copy of the weights per collider.
+pub(crate) fn remember(
+    mut colliders: Query<&mut ColliderState>,
+    candidates: Res<Candidates>,
+    time: Option<Res<Time>>,
+    mut times: ResMut<RunTimes>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    times.begin_run(time.map(|time| time.elapsed()));
+    for mut state in &mut colliders {
+        let state = &mut *state;
+        // While its entity was disabled, its state was not updated.
+        let placed = state.placed.as_ref().filter(|_| state.seen == candidates.run());
+        state.before.place = match placed.map(|placed| &placed.form) {
+            Some(Form::Mesh(place)) => Some(*place),
+            _ => None,
+        };
+        if let (Some(_), Some(pose)) = (state.before.place, state.pose.as_mut().map(LockedPose::get_mut)) {
+            state.before.shape.take(pose);
+        }
+    }
+    diagnostics.duration += start.elapsed();
+}

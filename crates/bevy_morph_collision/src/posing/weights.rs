@@ -1,0 +1,112 @@
+//! Copies Bevy's morph weights to poses.
+
+use bevy::platform::time::Instant;
+
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+use morph_collision::{Pose, WeightsError};
+use thiserror::Error;
+use tracing::{debug_span, error};
+
+use crate::app::Names;
+use crate::components::MorphCollider;
+use crate::import::MorphTrees;
+use crate::state::{BadWeights, ColliderState, LockedPose, MorphCollisionDiagnostics};
+
+/// Why weights cannot be used.
+#[derive(Debug, Error)]
+pub(crate) enum WeightsProblem {
+    #[error(transparent)]
+    Refused(#[from] WeightsError),
+    #[error("entity {0}, which it refers to, has no MorphWeights")]
+    NoSource(Entity),
+}
+
+impl WeightsProblem {
+    /// Whether the numbers of weights and targets differ, which may happen while both are changed.
+    pub(crate) fn is_count(&self) -> bool {
+        matches!(self, Self::Refused(WeightsError::WrongCount { .. }))
+    }
+}
+
+/// Gives every pose the weights with which its mesh is drawn.
+///
+/// Weights are compared by value, because change detection fires every frame while an animation player exists. Without
+/// [`MeshMorphWeights`], a mesh is drawn, and collides, in its rest pose. Invalid weights are logged once until they are valid
+/// again; the last valid ones stay in use. A wrong number of weights is only logged after several runs, and not while another
+/// tree of the mesh is being built.
+pub(crate) fn read_weights(
+    mut colliders: Query<(Entity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
+    names: Names,
+    shared: Query<&MorphWeights>,
+    trees: Res<MorphTrees>,
+    mut rest: Local<Vec<f32>>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let _span = debug_span!("morph_collision::weights").entered();
+    for (entity, mut state, weights) in &mut colliders {
+        let state = &mut *state;
+        let Some(pose) = state.pose.as_mut().map(LockedPose::get_mut) else {
+            state.bad_weights.no_pose();
+            continue;
+        };
+        if pose.weights().is_empty() {
+            continue;
+        }
+        match take_weights(pose, weights, &shared, &mut rest) {
+            Ok(changed) => {
+                state.bad_weights = BadWeights::default();
+                state.reposed |= changed;
+                state.changed |= changed;
+            }
+            Err(problem) => {
+                let bad = &mut state.bad_weights;
+                let is_news = if problem.is_count() {
+                    bad.wrong_count(state.tree.is_some_and(|key| trees.is_coming(key)))
+                } else {
+                    bad.bad_values()
+                };
+                if is_news {
+                    let name = names.with_file(entity);
+                    error!(
+                        "morph weights of entity {name} cannot be used: {problem}; the last good ones stay in force"
+                    );
+                }
+            }
+        }
+    }
+    diagnostics.duration += start.elapsed();
+}
+
+/// Gives a pose the weights with which its mesh is drawn. Returns whether they changed, or what is wrong with them.
+pub(crate) fn take_weights(
+    pose: &mut Pose,
+    weights: Option<&MeshMorphWeights>,
+    shared: &Query<&MorphWeights>,
+    rest: &mut Vec<f32>,
+) -> Result<bool, WeightsProblem> {
+    let drawn = drawn_weights(pose.weights().len(), weights, shared, rest)?;
+    Ok(pose.set_weights(drawn)?)
+}
+
+/// The weights with which a mesh with `count` targets is drawn. They may be invalid.
+pub(crate) fn drawn_weights<'a>(
+    count: usize,
+    weights: Option<&'a MeshMorphWeights>,
+    shared: &'a Query<&MorphWeights>,
+    rest: &'a mut Vec<f32>,
+) -> Result<&'a [f32], WeightsProblem> {
+    match weights {
+        Some(MeshMorphWeights::Value { weights }) => Ok(weights),
+        Some(&MeshMorphWeights::Reference(source)) => match shared.get(source) {
+            Ok(weights) => Ok(weights.weights()),
+            Err(_) => Err(WeightsProblem::NoSource(source)),
+        },
+        None => {
+            rest.clear();
+            rest.resize(count, 0.0);
+            Ok(rest)
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Who uses which tree: colliders request trees and receive them, and unused trees are dropped.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::ecs::system::SystemParam;
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::platform::collections::HashSet;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use morph_collision::{MorphBvh, Pose};
+use std::sync::Arc;
+
+use crate::broad_phase::Candidates;
+use crate::components::{MorphCollider, MorphShape};
+use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
+use crate::state::{ColliderState, LockedPose, MorphCollisionDiagnostics, Preparation};
+
+/// The components that determine a collider's tree.
+pub(crate) type Shows = (
+    Option<&'static Mesh3d>,
+    Option<&'static MorphTreeSettings>,
+    Option<&'static SkinnedMesh>,
+    Has<MorphShape>,
+);
+
+/// The key of a collider's tree; `None` if it shows no mesh or has a shape.
+pub(crate) fn key_of(
+    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
+) -> Option<TreeKey> {
+    // A shape collides in place of the mesh.
+    mesh.filter(|_| !has_shape)
+        .map(|mesh| TreeKey::of(mesh, settings, skin))
+}
+
+/// Colliders that may show something different from before.
+type ShowsAnother = (
+    Or<(
+        Changed<Mesh3d>,
+        Changed<MorphTreeSettings>,
+        Changed<SkinnedMesh>,
+        Added<MorphCollider>,
+        Added<MorphShape>,
+    )>,
+    With<MorphCollider>,
+    Allow<Disabled>,
+);
+
+/// Colliders that may show something different because a component is gone.
+#[derive(SystemParam)]
+pub(crate) struct ShowsLess<'w, 's> {
+    settings: RemovedComponents<'w, 's, MorphTreeSettings>,
+    skins: RemovedComponents<'w, 's, SkinnedMesh>,
+    shapes: RemovedComponents<'w, 's, MorphShape>,
+}
+
+impl ShowsLess<'_, '_> {
+    fn read(&mut self) -> impl Iterator<Item = Entity> {
+        self.settings.read().chain(self.skins.read()).chain(self.shapes.read())
+    }
+}
+
+/// Requests the trees that colliders do not have yet.
+///
+/// It looks only at colliders that changed, found by their change ticks, unless any collider may need its tree again.
+pub(crate) fn request_trees(
+    colliders: Query<(Entity, Shows), With<MorphCollider>>,
+    changed: Query<(Entity, Shows, Has<Disabled>), ShowsAnother>,
+    mut less: ShowsLess,
+    mut enabled: RemovedComponents<Disabled>,
+    mut trees: ResMut<MorphTrees>,
+    mut preparation: ResMut<Preparation>,
+) {
+    let start = Instant::now();
+    // Disabled entities did not notice when their trees were dropped.
+    let anew = trees.is_stale() || enabled.read().count() > 0;
+    for (entity, shows, is_disabled) in &changed {
+        trees.bypass_change_detection().uses_changed();
+        if let Some(key) = key_of(shows).filter(|_| !is_disabled) {
+            trees.request(key, entity);
+        }
+    }
+    let all = anew.then(|| colliders.iter()).into_iter().flatten();
+    for (entity, shows) in colliders.iter_many(less.read()).flatten().chain(all) {
+        if let Some(key) = key_of(shows) {
+            trees.request(key, entity);
+        }
+    }
+    preparation.0 += start.elapsed();
+}
+
+/// Drops unused trees of a mesh while another tree of that mesh is in use. Runs only when a use may have ended or a tree is new.
+pub(crate) fn drop_unused_trees(
+    colliders: Query<Shows, (With<MorphCollider>, Allow<Disabled>)>,
+    mut no_colliders: RemovedComponents<MorphCollider>,
+    mut no_settings: RemovedComponents<MorphTreeSettings>,
+    mut no_meshes: RemovedComponents<Mesh3d>,
+    mut no_skins: RemovedComponents<SkinnedMesh>,
+    culled: Query<(&Mesh3d, Option<&SkinnedMesh>), (Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>, Allow<Disabled>)>,
+    culls: Option<Res<Culls>>,
+    mut trees: ResMut<MorphTrees>,
+    mut seen: Local<u64>,
+) {
+    let removed = no_colliders.read().count() + no_settings.read().count() + no_meshes.read().count();
+    let removed = removed + no_skins.read().count();
+    let is_new = std::mem::replace(&mut *seen, trees.version()) != trees.version();
+    let trees = trees.bypass_change_detection();
+    if !trees.may_have_unused(removed > 0 || is_new) {
+        return;
+    }
+    let mut used: HashSet<TreeKey> = colliders.iter().filter_map(key_of).collect();
+    if culls.is_some() {
+        used.extend(culled.iter().map(|(mesh, skin)| TreeKey::of(mesh, None, skin)));
+    }
+    trees.drop_unused(&used);
+}
+
+/// Marks that the bounds of deforming meshes are updated, which uses trees too.
+#[derive(Resource)]
+pub(crate) struct Culls;
+
+/// Gives colliders whose mesh or tree changed a new pose, or none while there is no tree.
+///
+/// Compares mesh and settings by value, because this system may run less often than Bevy keeps change ticks, and does not see
+/// disabled entities.
+pub(crate) fn hand_out_trees(
+    mut colliders: Query<(Entity, Shows, &mut ColliderState), With<MorphCollider>>,
+    candidates: Res<Candidates>,
+    mut trees: ResMut<MorphTrees>,
+    mut version: Local<u64>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let every = *version != trees.version();
+    *version = trees.version();
+    for (entity, shows, mut state) in &mut colliders {
+        let was_away = state.seen != candidates.run();
+        let key = key_of(shows);
+        if !every && !was_away && state.tree == key {
+            continue;
+        }
+        if let Some(key) = key.filter(|_| was_away) {
+            trees.request(key, entity);
+        }
+        let tree = key.and_then(|key| trees.tree(key));
+        state.take_tree(key, tree);
+    }
+    diagnostics.duration += start.elapsed();
+}
+
+impl ColliderState {
+    fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
+        self.tree = key;
+        let mut before = self.pose.take();
+        let is_current = match (tree, before.as_mut().map(|pose| pose.get_mut().bvh())) {
+            (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
+            (None, None) => true,
+            _ => false,
+        };
+        if is_current {
+            self.pose = before;
+            return;
+        }
+        let before = before.as_mut().map(LockedPose::get_mut);
+        let mut pose = tree.map(|tree| Pose::new(tree.clone()));
+        if let (Some(pose), Some(before)) = (&mut pose, &before) {
+            // The last valid weights stay in use if the next ones are invalid. If the number of targets changed, the pose starts
+            // at rest.
+            let _fits = pose.set_weights(before.weights());
+        }
+        // The same for joints.
+        let joints = before
+            .as_ref()
+            .and_then(|pose| pose.joints())
+            .filter(|_| self.has_joints);
+        let carried = pose.as_mut().zip(joints).map(|(pose, joints)| pose.set_joints(joints));
+        self.has_joints = matches!(carried, Some(Ok(_)));
+        self.pose = pose.map(LockedPose::new);
+        self.reposed = true;
+        self.changed = true;
+    }
+}

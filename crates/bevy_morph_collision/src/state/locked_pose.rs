@@ -1,0 +1,24 @@
+//! A pose that several systems may query at the same time.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use morph_collision::Pose;
+
+/// A pose that queries refit even though they only have read access. The lock serves systems that query at the same time.
+pub(crate) struct LockedPose(Mutex<Pose>);
+
+impl LockedPose {
+    pub(crate) fn new(pose: Pose) -> Self {
+        Self(Mutex::new(pose))
+    }
+
+    /// Accesses the pose without locking.
+    pub(crate) fn get_mut(&mut self) -> &mut Pose {
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Locks the pose. While it is locked, lock other poses only in ascending order of entities.
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Pose> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,56 @@
+//! What the plugin keeps for each collider and for each run.
+//!
+//! - `collider_state`: the component with everything about one collider.
+//!   - `locked_pose`: its pose. `placement`: where and how it takes part. `previous`: the same one run earlier.
+//!   - `held`: the earlier state that collisions see if the collider has a tolerance.
+//!   - `bad_weights`, `readiness`: what has been reported about it.
+//! - `run_times`: when runs were. `diagnostics`: what the last run did.
+
+mod bad_weights;
+mod collider_state;
+mod diagnostics;
+mod held;
+mod locked_pose;
+mod placement;
+mod previous;
+mod readiness;
+mod run_times;
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::prelude::*;
+
+use crate::components::MorphCollider;
+
+pub(crate) use bad_weights::BadWeights;
+pub(crate) use collider_state::ColliderState;
+pub use diagnostics::MorphCollisionDiagnostics;
+pub(crate) use diagnostics::{Preparation, begin_run};
+
+pub(crate) use locked_pose::LockedPose;
+pub(crate) use placement::{Form, Placement, Skip};
+
+pub(crate) use readiness::Readiness;
+pub(crate) use run_times::RunTimes;
+
+/// Adds the state of runs, and a state to every collider.
+pub(crate) fn add(app: &mut App) {
+    app.init_resource::<MorphCollisionDiagnostics>()
+        .init_resource::<Preparation>()
+        .init_resource::<RunTimes>()
+        .register_type::<MorphCollisionDiagnostics>()
+        .add_observer(collider_state::forget_collider);
+    if app
+        .try_register_required_components::<MorphCollider, ColliderState>()
+        .is_err()
+    {
+        // There are colliders already.
+        app.add_observer(collider_state::add_state);
+        let world = app.world_mut();
+        let mut colliders = world.query_filtered::<Entity, (With<MorphCollider>, Allow<Disabled>)>();
+        let colliders: Vec<Entity> = colliders.iter(world).collect();
+        for collider in colliders {
+            world.entity_mut(collider).insert(ColliderState::default());
+        }
+    }
+}

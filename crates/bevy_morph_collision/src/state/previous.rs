@@ -1,0 +1,11 @@
+//! The state of a collider's mesh after a run.
+
+use morph_collision::{PoseSnapshot, WorldFromModel};
+
+/// The state of a collider's mesh after a run.
+#[derive(Default)]
+pub(crate) struct Before {
+    pub(crate) shape: PoseSnapshot,
+    /// `None` if it took no part.
+    pub(crate) place: Option<WorldFromModel>,
+}

@@ -11,7 +11,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
 
-use super::Culled;
+use super::culled::Culled;
 use super::local::{UNBOUNDED, around, around_in};
 use crate::import::{MorphTrees, TreeKey};
 use crate::posing::{BindPoses, LentPoses, Skeletons, take_weights};

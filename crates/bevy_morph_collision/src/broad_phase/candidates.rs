@@ -13,7 +13,7 @@ use crate::app::Names;
 use crate::components::{
     MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape, body_of,
 };
-use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Placement, Skip};
+use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Placement, Runs, Skip};
 
 /// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
 #[derive(Resource, Default)]
@@ -21,11 +21,6 @@ pub(crate) struct Candidates {
     pub(crate) pairs: Vec<(Entity, Entity)>,
     /// Pairs to compare on their way from the last run, whether or not they are in `pairs`.
     pub(crate) swept: SweptPairs,
-    /// Whether any collider changed, was added or was removed since the previous run.
-    pub(crate) changed: bool,
-    run: u32,
-    /// Increases in every run in which a collider moved, was added or was removed.
-    pub(crate) version: u64,
     // Kept to reuse memory, and for runs without changes.
     colliders: Vec<(Entity, Placement)>,
     /// The colliders in the order of the query, with their indices in `colliders`. As long as the query returns the same entities
@@ -72,27 +67,26 @@ pub(crate) fn find_candidates(
     names: Names,
     mut teleports: Teleports,
     mut candidates: ResMut<Candidates>,
+    mut runs: ResMut<Runs>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::broad_phase").entered();
     let candidates = &mut *candidates;
-    candidates.run = candidates.run.wrapping_add(1);
+    runs.begin();
     let mut present = 0;
     let (mut changed, mut any_moved, mut any_continuous) = (false, false, false);
     for mut participant in &mut colliders {
         any_continuous |= participant.collider.continuous;
-        let stale = participant.state.seen.wrapping_add(1) != candidates.run;
-        if !stale && participant.rests() {
-            participant.state.seen = candidates.run;
+        let was_absent = participant.state.freshness.see(&runs);
+        if !was_absent && participant.rests() {
             present += 1;
             continue;
         }
-        let reposed = participant.state.reposed && participant.state.pose.is_some();
+        let reposed = participant.state.freshness.bounds_are_old() && participant.state.pose.is_some();
         diagnostics.stats.nodes_blended += u64::from(reposed);
-        let place = participant.place(stale);
+        let place = participant.place(was_absent);
         let state = &mut *participant.state;
-        state.seen = candidates.run;
         let bad_place = place.is_err();
         let placed = place.unwrap_or_else(|error| {
             if !state.bad_place {
@@ -102,30 +96,30 @@ pub(crate) fn find_candidates(
             None
         });
         state.bad_place = bad_place;
-        let moved = stale || placed != state.placed;
-        any_moved |= moved;
-        state.changed |= moved;
+        if was_absent || placed != state.placed {
+            any_moved = true;
+            state.freshness.placement_changed();
+        }
         let took_part = std::mem::replace(&mut state.placed, placed).is_some();
-        let is_behind = state.follow(stale, participant.collider.tolerance);
-        diagnostics.held_colliders += u64::from(is_behind);
-        changed |= state.changed && (placed.is_some() || took_part);
+        let is_held_back = state.hold(was_absent, participant.collider.tolerance);
+        diagnostics.held_colliders += u64::from(is_held_back);
+        changed |= state.freshness.answers_are_old() && (placed.is_some() || took_part);
         present += usize::from(placed.is_some());
     }
-    candidates.changed = changed || present != candidates.colliders.len();
+    runs.placed(changed || present != candidates.colliders.len(), any_moved);
     let elsewhere = teleports.take();
-    let is_interrupted = std::mem::take(&mut candidates.swept.is_interrupted);
+    let is_interrupted = runs.take_interruption();
     candidates.swept.clear();
-    let any_way = any_continuous && !is_interrupted && candidates.changed;
+    let any_way = any_continuous && !is_interrupted && runs.any_changed();
     if any_way {
         candidates.swept.remember(&candidates.colliders);
     }
-    if candidates.changed {
+    if runs.any_changed() {
         candidates.sweep(&colliders);
     }
     if any_way {
         candidates.swept.find(&candidates.colliders, &elsewhere);
     }
-    candidates.version += u64::from(candidates.changed || any_moved);
 
     let Counts {
         overlaps,
@@ -156,7 +150,10 @@ impl ParticipantItem<'_, '_> {
             _ => false,
         };
         let state = &self.state;
-        let is_still = !state.reposed && !state.changed && state.held.is_none() && !self.transform.is_changed();
+        let is_still = !state.freshness.bounds_are_old()
+            && !state.freshness.answers_are_old()
+            && state.held.is_none()
+            && !self.transform.is_changed();
         is_same_form
             && is_still
             && !self.is_disabled
@@ -169,12 +166,12 @@ impl ParticipantItem<'_, '_> {
     }
 
     /// The collider's current placement; `None` if it takes no part.
-    fn place(&mut self, stale: bool) -> Result<Option<Placement>, BadPlace> {
+    fn place(&mut self, was_absent: bool) -> Result<Option<Placement>, BadPlace> {
         if self.is_disabled {
             return Ok(None);
         }
         let state = &mut *self.state;
-        let settled = !stale && !state.reposed && !self.transform.is_changed();
+        let settled = !was_absent && !state.freshness.bounds_are_old() && !self.transform.is_changed();
         let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
         let before = state.placed.filter(|_| settled);
         let kept = match before.map(|placed| placed.form) {
@@ -212,7 +209,7 @@ impl ParticipantItem<'_, '_> {
             return Err(BadPlace::Tolerance(tolerance));
         }
         // A pose keeps its root box as long as its weights and joints stay the same.
-        state.reposed = false;
+        state.freshness.bounds_computed();
         Ok(Some(Placement {
             form,
             body: body_of(self.entity, self.body),
@@ -240,11 +237,6 @@ enum BadPlace {
 }
 
 impl Candidates {
-    /// The number of the last run.
-    pub(crate) fn run(&self) -> u32 {
-        self.run
-    }
-
     /// The colliders that took part in the last run, ascending, in the state that collisions see.
     pub(crate) fn colliders(&self) -> &[(Entity, Placement)] {
         &self.colliders

@@ -15,8 +15,6 @@ use crate::state::{Form, Placement};
 pub(crate) struct SweptPairs {
     /// The pairs of meshes, in ascending order of entities and sorted. At least one of each is continuous.
     pub(crate) pairs: Vec<(Entity, Entity)>,
-    /// Whether runs were left out because collisions were paused. Motion in the meantime does not count.
-    pub(crate) is_interrupted: bool,
     /// The colliders in the last run, ascending, as collisions saw them.
     before: Vec<(Entity, Placement)>,
     // Kept to reuse memory.

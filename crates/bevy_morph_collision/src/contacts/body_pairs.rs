@@ -2,13 +2,12 @@
 
 use bevy::prelude::*;
 
-use super::collisions::MorphCollisions;
 use super::contact::MorphContact;
 
 /// Two entities in ascending order.
 pub(crate) type Pair = (Entity, Entity);
 
-/// The contacts of the last run and of the run before, grouped by bodies.
+/// The contacts of the last run in which pairs were compared and of the one before, grouped by bodies.
 #[derive(Debug, Default)]
 pub(crate) struct BodyPairs {
     /// The two bodies and the two colliders of each contact, ascending.
@@ -18,19 +17,23 @@ pub(crate) struct BodyPairs {
     passed: Vec<(Pair, Pair)>,
     /// All of `now` and `passed`, if anything passed.
     touched: Vec<(Pair, Pair)>,
-    /// Whether anything was compared in the last run. If not, `before` belongs to an earlier run.
-    compared: bool,
+    /// The two bodies of each pair in descending order, ascending.
+    descending: Vec<Pair>,
 }
 
 impl BodyPairs {
     /// Replaces the contacts after a run in which colliders were compared.
-    fn replace<'a>(&mut self, contacts: impl Iterator<Item = &'a MorphContact>, passed: &[MorphContact]) {
+    pub(super) fn replace<'a>(&mut self, contacts: impl Iterator<Item = &'a MorphContact>, passed: &[MorphContact]) {
         std::mem::swap(&mut self.now, &mut self.before);
         let entry = |contact: &MorphContact| (ascending(contact.body1, contact.body2), contact.pair());
         self.now.clear();
         self.now.extend(contacts.map(entry));
         // Already sorted if every collider is a body of its own.
         self.now.sort_unstable();
+        self.descending.clear();
+        let pairs = self.now.chunk_by(|a, b| a.0 == b.0).map(|contacts| contacts[0].0);
+        self.descending.extend(pairs.map(|(a, b)| (b, a)));
+        self.descending.sort_unstable();
         self.passed.clear();
         self.passed.extend(passed.iter().map(entry));
         self.passed.sort_unstable();
@@ -43,34 +46,48 @@ impl BodyPairs {
     }
 
     /// The contacts of two bodies.
-    fn between(&self, a: Entity, b: Entity) -> &[(Pair, Pair)] {
+    pub(super) fn between(&self, a: Entity, b: Entity) -> &[(Pair, Pair)] {
         let bodies = ascending(a, b);
         let start = self.now.partition_point(|&(of, _)| of < bodies);
         let end = self.now.partition_point(|&(of, _)| of <= bodies);
         &self.now[start..end]
     }
 
+    /// The bodies that touch a body, ascending.
+    pub(super) fn with(&self, body: Entity) -> impl Iterator<Item = Entity> {
+        let start = self.descending.partition_point(|&(second, _)| second < body);
+        let lower = self.descending[start..]
+            .iter()
+            .take_while(move |(second, _)| *second == body);
+        let start = self.now.partition_point(|&((first, _), _)| first < body);
+        let higher = self.now[start..]
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|contacts| contacts[0].0);
+        let higher = higher.take_while(move |(first, _)| *first == body);
+        lower.map(|&(_, first)| first).chain(higher.map(|(_, second)| second))
+    }
+
     /// Pairs of bodies that started touching, with all of their contacts.
     pub(crate) fn started(&self) -> impl Iterator<Item = &[(Pair, Pair)]> {
-        let touched = match (self.compared, self.passed.is_empty()) {
-            (false, _) => &[],
-            (true, true) => &self.now[..],
-            (true, false) => &self.touched[..],
+        let touched = if self.passed.is_empty() {
+            &self.now
+        } else {
+            &self.touched
         };
         news(touched, &self.before)
     }
 
     /// Pairs of bodies that stopped touching.
     pub(crate) fn ended(&self) -> impl Iterator<Item = Pair> {
-        let before = if self.compared { &self.before[..] } else { &[] };
-        news(before, &self.now).map(|contacts| contacts[0].0)
+        news(&self.before, &self.now).map(|contacts| contacts[0].0)
     }
 
     /// Pairs of bodies that started and stopped touching.
     pub(crate) fn passed(&self) -> impl Iterator<Item = Pair> {
-        let passed = if self.compared { &self.passed[..] } else { &[] };
         let were_apart = |bodies: &Pair| self.before.binary_search_by_key(bodies, |&(of, _)| of).is_err();
-        news(passed, &self.now).map(|contacts| contacts[0].0).filter(were_apart)
+        news(&self.passed, &self.now)
+            .map(|contacts| contacts[0].0)
+            .filter(were_apart)
     }
 }
 
@@ -86,52 +103,4 @@ fn news<'l>(list: &'l [(Pair, Pair)], other: &'l [(Pair, Pair)]) -> impl Iterato
 
 fn ascending(a: Entity, b: Entity) -> Pair {
     (a.min(b), a.max(b))
-}
-
-/// Groups the contacts by bodies if they have changed since the previous run.
-pub(crate) fn pair_bodies(mut collisions: ResMut<MorphCollisions>) {
-    // Part of what the narrow phase writes, so it is no change of its own.
-    let collisions = collisions.bypass_change_detection();
-    collisions.bodies.compared = collisions.compared;
-    if collisions.compared {
-        let passed = collisions.changes.passed_in_run();
-        collisions.bodies.replace(collisions.current.values(), passed);
-    }
-}
-
-/// Bodies are the entities that [`MorphColliderOf`](crate::components::MorphColliderOf) names, and all colliders without that component.
-impl MorphCollisions {
-    /// Whether any colliders of two bodies touch. The order of the bodies does not matter.
-    #[must_use]
-    pub fn contains_bodies(&self, a: Entity, b: Entity) -> bool {
-        !self.bodies.between(a, b).is_empty()
-    }
-
-    /// The contacts between the colliders of two bodies, in ascending order of the colliders. The order of the bodies does not
-    /// matter; each contact keeps its own order.
-    pub fn collisions_between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = &MorphContact> {
-        let colliders = self.bodies.between(a, b).iter().map(|(_, colliders)| colliders);
-        colliders.filter_map(|colliders| self.current.get(colliders))
-    }
-
-    /// The contacts of all colliders of a body, in ascending order. Iterates over all contacts.
-    pub fn collisions_with_body(&self, body: Entity) -> impl Iterator<Item = &MorphContact> {
-        self.iter()
-            .filter(move |contact| contact.body1 == body || contact.body2 == body)
-    }
-
-    /// The bodies that touch a body, each once, in ascending order. Iterates over all contacts.
-    pub fn bodies_colliding_with(&self, body: Entity) -> impl Iterator<Item = Entity> {
-        let pairs = self
-            .bodies
-            .now
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|contacts| contacts[0].0);
-        // Lower entities come first because the list is sorted by both bodies.
-        pairs.filter_map(move |(a, b)| match body {
-            _ if body == a => Some(b),
-            _ if body == b => Some(a),
-            _ => None,
-        })
-    }
 }

@@ -53,9 +53,6 @@ pub struct MorphCollisions {
     pub(crate) bodies: BodyPairs,
     #[reflect(ignore)]
     pub(crate) changes: Changes,
-    /// Whether anything was compared in this run.
-    #[reflect(ignore)]
-    pub(crate) compared: bool,
 }
 
 impl MorphCollisions {

@@ -1,6 +1,7 @@
 //! A contact of two colliders.
 
 use super::impact::MorphImpact;
+use super::no_triangles::{NO_TRIANGLE, no_triangles};
 use crate::components::MorphCollisionMode;
 use bevy::prelude::*;
 use morph_collision::{Rank, ShapeContact, TrianglePair};
@@ -62,14 +63,6 @@ pub struct MorphContactPoint {
     pub triangles: TrianglePair,
 }
 
-/// The triangles of a value created by reflection. Types of [`morph_collision`] are not reflected.
-pub(crate) fn no_triangles() -> TrianglePair {
-    TrianglePair {
-        triangle_a: MorphContact::NO_TRIANGLE,
-        triangle_b: MorphContact::NO_TRIANGLE,
-    }
-}
-
 /// Pairs a triangle of a mesh with the shape that it intersects.
 pub(crate) fn pair_with_shape(triangle: u32, shape_first: bool) -> TrianglePair {
     let mut triangles = [triangle, MorphContact::NO_TRIANGLE];
@@ -97,7 +90,7 @@ impl MorphContactPoint {
 
 impl MorphContact {
     /// The triangle number used for colliders without triangles.
-    pub const NO_TRIANGLE: u32 = u32::MAX;
+    pub const NO_TRIANGLE: u32 = NO_TRIANGLE;
 
     /// The two colliders, in ascending order.
     pub(crate) fn pair(&self) -> (Entity, Entity) {

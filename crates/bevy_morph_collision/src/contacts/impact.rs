@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use morph_collision::TrianglePair;
 
-use super::contact::no_triangles;
+use super::no_triangles::no_triangles;
 
 /// When and where a contact of a [continuous](crate::MorphCollider::continuous) collider began, between the last run and this one.
 ///

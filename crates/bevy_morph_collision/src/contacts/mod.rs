@@ -9,14 +9,16 @@ mod changes;
 mod collisions;
 mod contact;
 mod impact;
+mod no_triangles;
+mod of_bodies;
 
 use bevy::prelude::*;
 
-pub(crate) use body_pairs::pair_bodies;
 pub use collisions::MorphCollisions;
+pub(crate) use contact::pair_with_shape;
 pub use contact::{MorphContact, MorphContactPoint};
-pub(crate) use contact::{no_triangles, pair_with_shape};
 pub use impact::{MorphFeatures, MorphImpact};
+pub(crate) use no_triangles::no_triangles;
 
 /// Adds the contacts, and registers the types for reflection.
 pub(crate) fn add(app: &mut App) {

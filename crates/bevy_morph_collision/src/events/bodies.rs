@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use tracing::debug_span;
 
 use crate::contacts::{MorphCollisions, MorphContact, MorphImpact};
-use crate::state::MorphCollisionDiagnostics;
+use crate::state::{MorphCollisionDiagnostics, Runs};
 
 /// Two bodies started touching: a collider of one touches a collider of the other, and none did in the previous run. With
 /// [continuous](crate::MorphCollider::continuous) colliders, they may have touched only on the way from the previous run.
@@ -69,11 +69,15 @@ pub struct MorphBodyCollisionEnd {
 /// started and ended. Each in ascending order.
 pub(crate) fn report_body_changes(
     collisions: Res<MorphCollisions>,
+    runs: Res<Runs>,
     mut starts: MessageWriter<MorphBodyCollisionStart>,
     mut ends: MessageWriter<MorphBodyCollisionEnd>,
     mut commands: Commands,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
+    if !runs.compared() {
+        return;
+    }
     let start = Instant::now();
     let _span = debug_span!("morph_collision::body_events").entered();
     let both_ends = |(body1, body2)| {

@@ -10,7 +10,7 @@ use tracing::debug_span;
 
 use crate::components::{MorphColliders, MorphCollisionEventsEnabled};
 use crate::contacts::{MorphCollisions, MorphContact, MorphImpact};
-use crate::state::MorphCollisionDiagnostics;
+use crate::state::{MorphCollisionDiagnostics, Runs};
 
 /// Two colliders started touching.
 ///
@@ -175,6 +175,7 @@ fn both_ways(contact: &MorphContact) -> [[Entity; 4]; 2] {
 /// being one.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
+    runs: Res<Runs>,
     mut lists: Query<(Entity, &mut MorphCollidingEntities, Option<Ref<MorphColliders>>), Allow<Disabled>>,
     mut no_bodies: RemovedComponents<MorphColliders>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
@@ -183,7 +184,7 @@ pub(crate) fn list_colliding_entities(
     let mut is_new = lists
         .iter_mut()
         .map(|(_, list, colliders)| list.is_changed() || colliders.is_some_and(|colliders| colliders.is_added()));
-    if !collisions.compared && !is_body_no_more && !is_new.any(|is_new| is_new) {
+    if !runs.compared() && !is_body_no_more && !is_new.any(|is_new| is_new) {
         return;
     }
     let start = Instant::now();

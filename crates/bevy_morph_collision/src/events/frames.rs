@@ -1,8 +1,8 @@
 //! Shows the changes of fixed runs to the systems of the frame around them.
 
 use crate::app::is_fixed;
-use crate::broad_phase::Candidates;
 use crate::contacts::MorphCollisions;
+use crate::state::Runs;
 use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
 
@@ -36,7 +36,7 @@ fn show_frame(mut collisions: ResMut<MorphCollisions>) {
 }
 
 /// While the plugin is paused, nothing starts or ends, and motion does not count.
-pub(crate) fn begin_empty_run(mut collisions: ResMut<MorphCollisions>, mut candidates: ResMut<Candidates>) {
+pub(crate) fn begin_empty_run(mut collisions: ResMut<MorphCollisions>, mut runs: ResMut<Runs>) {
     collisions.bypass_change_detection().changes.begin_run();
-    candidates.bypass_change_detection().swept.is_interrupted = true;
+    runs.interrupt();
 }

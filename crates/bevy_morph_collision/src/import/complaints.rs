@@ -9,8 +9,8 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use tracing::{error, warn};
 
+use super::error::ImportError;
 use super::left_out::MorphLeftOut;
-use super::mesh_data::ImportError;
 use crate::app::Names;
 use crate::components::{MorphCollider, MorphShape};
 

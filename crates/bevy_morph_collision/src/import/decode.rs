@@ -8,7 +8,8 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy::shape::BoundingVolume;
 
-use super::mesh_data::{ImportError, copy};
+use super::copy::copy;
+use super::error::ImportError;
 
 /// The positions of a mesh, in any supported format.
 pub(super) enum Positions<'a> {

@@ -2,7 +2,7 @@
 
 use morph_collision::BadParts;
 
-use super::mesh_data::ImportError;
+use super::error::ImportError;
 
 /// What was left out of a mesh because it is bad ([`MorphCollisionSettings::skip_bad_triangles`](crate::components::MorphCollisionSettings)).
 #[derive(Clone, Debug, PartialEq)]

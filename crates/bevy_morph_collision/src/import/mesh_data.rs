@@ -6,108 +6,14 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology};
 use bevy::prelude::*;
-use morph_collision::{BadParts, InputError, ModelError, MorphModel, SparseTarget};
-use thiserror::Error;
+use morph_collision::{BadParts, MorphModel, SparseTarget};
 
+use super::copy::copy;
 use super::decode::Positions;
+use super::error::ImportError;
 use super::left_out::MorphLeftOut;
 use super::skin_data::SkinData;
-
-/// Why a mesh cannot collide.
-#[derive(Reflect, Clone, Debug, PartialEq, Error)]
-#[reflect(opaque)]
-#[reflect(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum ImportError {
-    /// Bevy could not load it; the text is Bevy's reason. Only this error may also concern a scene.
-    #[error("it could not be loaded: {0}")]
-    NotLoaded(String),
-    /// The mesh data is only for the renderer, which takes it away.
-    #[error(
-        "its data does not stay in main memory: give it `RenderAssetUsages::default()` instead of `RENDER_WORLD` (for glTF \
-         files `GltfLoaderSettings::load_meshes`)"
-    )]
-    Extracted,
-    /// The mesh is made of points or lines.
-    #[error("its topology is {0:?}, only TriangleList and TriangleStrip have triangles")]
-    Topology(PrimitiveTopology),
-    /// There is no position attribute.
-    #[error("it has no vertex positions")]
-    NoPositions,
-    /// Positions have an unsupported format.
-    #[error("its positions are {0}, only Float32x3 and Snorm16x4 (see `Mesh::compress_positions`) can be read")]
-    PositionFormat(&'static str),
-    /// Positions are compressed, but the box to decode them is missing.
-    #[error("its positions are compressed (Snorm16x4), but there is no `Mesh::final_aabb` to decode them with")]
-    NoPositionBounds,
-    /// Joint indices have an unsupported format.
-    #[error("its joint indices are {0}, only Uint16x4 and Uint8x4 can be read")]
-    JointFormat(&'static str),
-    /// Joint weights have an unsupported format.
-    #[error(
-        "its joint weights are {0}, only Float32x4, Float16x4, Unorm16x4, Unorm8x4, Snorm16x4 and Snorm8x4 can be read"
-    )]
-    JointWeightFormat(&'static str),
-    /// A triangle list ends in the middle of a triangle.
-    #[error("it has {0} indices or unindexed vertices, not a multiple of 3")]
-    IncompleteTriangle(usize),
-    /// The morph displacements do not fit the vertices.
-    #[error("it has {displacements} morph displacements, which is not {targets} for each of its {vertices} vertices")]
-    TargetLength {
-        /// The number of displacements of all targets together.
-        displacements: usize,
-        /// The number of vertices.
-        vertices: usize,
-        /// The number of targets, as text because it may be unknown.
-        targets: String,
-    },
-    /// The vertices were split for flat shading, but the morph displacements were not.
-    #[error(
-        "it has {displacements} morph displacements for {vertices} vertices: it seems to have no normals, so that its vertices \
-         were split for flat shading, but not its displacements. Export it with normals, or let `MorphCollisionPlugin` repair it \
-         while Bevy loads it from glTF (feature `gltf`, on by default)"
-    )]
-    SplitVertices {
-        /// The number of displacements of all targets together.
-        displacements: usize,
-        /// The number of vertices after the split.
-        vertices: usize,
-    },
-    /// The model data is invalid.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// A setting of [`MorphTreeSettings`](crate::import::MorphTreeSettings) is out of range.
-    #[error(transparent)]
-    Settings(#[from] InputError),
-}
-
-impl ImportError {
-    /// Whether the rest of the mesh could be used without the bad triangles.
-    pub(super) fn is_about_a_triangle(&self) -> bool {
-        use ModelError::{BadCoordinate, BadInfluence, IndexOutOfRange, JointOutOfRange, WeightsTooLarge};
-        match self {
-            Self::IncompleteTriangle(_) => true,
-            Self::Model(error) => matches!(
-                error,
-                BadCoordinate { .. }
-                    | BadInfluence { .. }
-                    | IndexOutOfRange { .. }
-                    | JointOutOfRange { .. }
-                    | WeightsTooLarge { .. }
-            ),
-            _ => false,
-        }
-    }
-}
-
-impl From<MeshAccessError> for ImportError {
-    fn from(error: MeshAccessError) -> Self {
-        match error {
-            MeshAccessError::ExtractedToRenderWorld => Self::Extracted,
-            MeshAccessError::NotFound => Self::NoPositions,
-        }
-    }
-}
+use super::triangles::{list_triangles, strip_triangles};
 
 /// A mesh that was read.
 #[derive(Clone)]
@@ -307,59 +213,9 @@ impl MeshData {
     }
 }
 
-/// Continues a copy. Returns whether it is complete.
-pub(super) fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, convert: impl Fn(&T) -> U) -> bool {
-    let missing = from.get(into.len()..).unwrap_or_default();
-    let now = &missing[..missing.len().min(*left)];
-    into.reserve_exact(missing.len());
-    into.extend(now.iter().map(convert));
-    *left -= now.len();
-    now.len() == missing.len()
-}
-
-/// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`. The error tells of an incomplete last triangle, which is left out.
-fn list_triangles(indices: &[u32]) -> (Vec<[u32; 3]>, Option<ImportError>) {
-    let (triangles, rest) = indices.as_chunks::<3>();
-    let incomplete = (!rest.is_empty()).then_some(ImportError::IncompleteTriangle(indices.len()));
-    (triangles.to_vec(), incomplete)
-}
-
-/// The triangles of one or more strips with consistent winding, numbered in the order of the strip.
-///
-/// The largest index restarts the strip, as on the GPU. Triangles that use a vertex twice only connect strips and are never
-/// drawn; they are left out and not numbered.
-fn strip_triangles(indices: &[u32], restart: Option<u32>) -> Vec<[u32; 3]> {
-    let mut triangles = Vec::new();
-    for strip in indices.split(|&index| Some(index) == restart) {
-        for (turn, corners) in strip.windows(3).enumerate() {
-            let (a, b, c) = (corners[0], corners[1], corners[2]);
-            if a != b && b != c && c != a {
-                triangles.push(if turn.is_multiple_of(2) { [a, b, c] } else { [b, a, c] });
-            }
-        }
-    }
-    triangles
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn strips_turn_one_way_restart_and_lose_their_stitches() {
-        assert_eq!(strip_triangles(&[0, 1, 2, 3], Some(65535)), [[0, 1, 2], [2, 1, 3]]);
-        let restarted = strip_triangles(&[0, 1, 2, 65535, 3, 4, 5], Some(65535));
-        assert_eq!(restarted, [[0, 1, 2], [3, 4, 5]]);
-        let stitched = strip_triangles(&[0, 1, 2, 2, 2, 3, 3, 4, 5], None);
-        assert_eq!(stitched, [[0, 1, 2], [3, 4, 5]]);
-    }
-
-    #[test]
-    fn a_list_ends_with_a_whole_triangle() {
-        assert_eq!(list_triangles(&[5, 4, 3, 2, 1, 0]), (vec![[5, 4, 3], [2, 1, 0]], None));
-        let incomplete = (vec![[0; 3]], Some(ImportError::IncompleteTriangle(5)));
-        assert_eq!(list_triangles(&[0; 5]), incomplete);
-    }
 
     #[test]
     fn a_mesh_is_copied_a_few_numbers_at_a_time() {

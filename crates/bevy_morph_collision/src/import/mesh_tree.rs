@@ -8,8 +8,9 @@ use bevy::tasks::{AsyncComputeTaskPool, Task};
 use morph_collision::{BuildOptions, MorphBvh};
 
 use super::complaints::Complaints;
+use super::error::ImportError;
 use super::left_out::MorphLeftOut;
-use super::mesh_data::{ImportError, Imported, MeshData};
+use super::mesh_data::{Imported, MeshData};
 use super::tree_key::TreeKey;
 use super::turns::Turns;
 

@@ -1,7 +1,9 @@
 //! Turns Bevy's [`Mesh`] into a shared tree: copies it on the main thread, builds in the background, hands out the result.
 
 mod complaints;
+mod copy;
 mod decode;
+mod error;
 #[cfg(feature = "gltf")]
 mod gltf;
 #[cfg(feature = "gltf")]
@@ -15,15 +17,16 @@ mod skin_data;
 mod tree_key;
 mod tree_settings;
 mod trees;
+mod triangles;
 mod turns;
 
 pub(crate) use complaints::{FurtherInfluences, Said};
 pub(crate) use decode::uv_of;
+pub use error::ImportError;
 #[cfg(feature = "gltf")]
 pub(crate) use gltf::repair_split_meshes;
 pub use left_out::MorphLeftOut;
 pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures};
-pub use mesh_data::ImportError;
 pub use progress::MorphTreeProgress;
 pub(crate) use skin_data::influences_of;
 pub(crate) use tree_key::TreeKey;

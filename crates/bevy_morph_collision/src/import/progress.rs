@@ -3,7 +3,7 @@
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
-use super::mesh_data::ImportError;
+use super::error::ImportError;
 use super::mesh_tree::MeshTree;
 use super::tree_key::TreeKey;
 use super::trees::MorphTrees;

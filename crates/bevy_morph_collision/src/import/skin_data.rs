@@ -4,8 +4,9 @@ use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
 use morph_collision::{BadParts, Influences};
 
+use super::copy::copy;
 use super::decode::{snorm8, snorm16, unorm8, unorm16};
-use super::mesh_data::{ImportError, copy};
+use super::error::ImportError;
 
 /// A copy of a mesh's joint indices and weights, in any supported format.
 pub(super) struct SkinData {

@@ -10,8 +10,8 @@ use bevy::tasks::futures::check_ready;
 use morph_collision::MorphBvh;
 
 use super::complaints::Complaints;
+use super::error::ImportError;
 use super::left_out::MorphLeftOut;
-use super::mesh_data::ImportError;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
 use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};

@@ -2,29 +2,29 @@
 
 use bevy::prelude::*;
 
-use super::look::Look;
 use super::subject::{Around, SubjectItem};
+use super::verdict::Verdict;
 use crate::app::WarnOnce;
 use crate::surface::MorphSurfaceAnchor;
 
 /// Looks at what the anchor of an entity follows.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let Some(anchor) = subject.anchor else {
-        return Look::Done;
+        return Verdict::Done;
     };
     if is_new {
-        return Look::Again;
+        return Verdict::Again;
     }
     let problem = match problem(anchor, around) {
-        Ok(()) => return Look::Done,
-        Err(None) => return Look::Again,
+        Ok(()) => return Verdict::Done,
+        Err(None) => return Verdict::Again,
         Err(Some(problem)) => problem,
     };
     log.warn("MorphSurfaceAnchor", around.about(subject.entity), || {
         let name = around.name(subject.entity);
         format!("the `MorphSurfaceAnchor` of entity {name} follows nothing: {problem}")
     });
-    Look::Done
+    Verdict::Done
 }
 
 /// Why an anchor follows nothing; `Err(None)` if that is not known yet.

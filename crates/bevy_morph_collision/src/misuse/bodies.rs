@@ -1,11 +1,11 @@
 //! Components that have an effect on bodies only.
 
-use super::look::Look;
 use super::subject::{Around, SubjectItem};
+use super::verdict::Verdict;
 use crate::app::WarnOnce;
 
 /// Looks at the components of an entity that should be a body, or have one.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let entity = subject.entity;
     let is_body = subject.collider.is_some() || subject.parts || subject.scene.is_some();
     if subject.teleported && is_new && !is_body {
@@ -24,10 +24,10 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &m
     let is_idle_root = subject.body_root && (around.settings.every_deforming_mesh.is_none() || !is_body);
     let is_idle_list = subject.colliding && !is_body;
     if !is_idle_root && !is_idle_list {
-        return Look::Done;
+        return Verdict::Done;
     }
     if is_new || around.spawned.any_is_pending(&around.names) {
-        return Look::Again;
+        return Verdict::Again;
     }
     if is_idle_root {
         log.warn("MorphBodyRoot", around.about(entity), || {
@@ -54,5 +54,5 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &m
             )
         });
     }
-    Look::Done
+    Verdict::Done
 }

@@ -1,27 +1,27 @@
 //! Colliders without a mesh, and components that need a collider.
 
-use super::look::Look;
 use super::physics;
 use super::subject::{Around, SubjectItem};
+use super::verdict::Verdict;
 use crate::app::WarnOnce;
 
 /// Looks at the collider of an entity, or at what should have one.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     if subject.collider.is_none() {
         return without_collider(subject, around, is_new, log);
     }
     if subject.shape {
         with_shape(subject, around, log);
-        return Look::Done;
+        return Verdict::Done;
     }
     if subject.mesh {
-        return Look::Done;
+        return Verdict::Done;
     }
     without_mesh(subject, around, is_new, log)
 }
 
 /// A collider that has nothing to collide with.
-fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
+fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let entity = subject.entity;
     let (component, scene, has_scene) = match physics::collider_of(subject) {
         Some((component, scene, has_scene)) => (component, scene, has_scene),
@@ -40,10 +40,10 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut 
                 name()
             )
         });
-        return Look::Done;
+        return Verdict::Done;
     }
     if is_new || around.spawned.any_is_pending(&around.names) {
-        return Look::Again;
+        return Verdict::Again;
     }
     log.warn("collider without a mesh", around.about(entity), || {
         let remedy = if around.any_below(entity, |it| it.mesh) {
@@ -56,7 +56,7 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut 
             name()
         )
     });
-    Look::Done
+    Verdict::Done
 }
 
 /// Components that ask something of a mesh that does not collide.
@@ -97,7 +97,7 @@ fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
 }
 
 /// Components that only a collider uses.
-fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
+fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let entity = subject.entity;
     let on_a_part = "put it on a part of the scene; `MorphColliders` lists them";
     let without_effect = [
@@ -119,7 +119,7 @@ fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, log: &
     let has_own_scene = subject.scene.is_some() && !subject.mesh;
     for (_, component, for_scene) in without_effect.into_iter().filter(|(is_there, ..)| *is_there) {
         if !has_own_scene && (is_new || around.spawned.any_is_pending(&around.names)) {
-            return Look::Again;
+            return Verdict::Again;
         }
         log.warn(component, around.about(entity), || {
             let name = around.name(entity);
@@ -135,5 +135,5 @@ fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, log: &
             }
         });
     }
-    Look::Done
+    Verdict::Done
 }

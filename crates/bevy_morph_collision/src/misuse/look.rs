@@ -1,23 +1,11 @@
 //! Looks at the entities that were noted.
 
-use std::time::Duration;
-
 use bevy::prelude::*;
 
 use super::subject::Around;
+use super::verdict::{FRAME, Verdict};
 use super::{anchors, bodies, colliders, physics, scenes};
 use crate::app::Suspects;
-
-/// What is known after a look at one aspect of an entity.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Look {
-    Done,
-    /// Something is missing that may still come.
-    Again,
-}
-
-/// The time between two frames for apps without a clock.
-pub(super) const FRAME: Duration = Duration::from_nanos(16_666_667);
 
 pub(super) fn any_suspects(suspects: Res<Suspects>) -> bool {
     !suspects.is_empty()
@@ -38,7 +26,7 @@ pub(super) fn look_at_suspects(mut suspects: ResMut<Suspects>, around: Around, t
             scenes::look(&subject, &around, is_new, log),
             anchors::look(&subject, &around, is_new, log),
         ];
-        if looks.contains(&Look::Again) {
+        if looks.contains(&Verdict::Again) {
             suspects.note_for_later(entity);
         }
     }

@@ -5,8 +5,8 @@ use std::time::Duration;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
-use super::look::FRAME;
 use super::subject::Around;
+use super::verdict::FRAME;
 use crate::app::{PATIENCE, Suspects};
 use crate::import::{FurtherInfluences, MorphTrees, TreeKey};
 

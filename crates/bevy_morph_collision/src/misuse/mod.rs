@@ -4,7 +4,7 @@
 //! looked at in the same frame, for what is certainly wrong. If it still lacks something, it is looked at again some seconds later,
 //! when scenes are loaded. Then it is forgotten.
 //!
-//! - `look`: the system that looks at them.
+//! - `look`: the system that looks at entities. `verdict`: what a look says.
 //! - `subject`: the components of one entity.
 //! - `colliders`: components that need a collider, and colliders without a mesh.
 //! - `bodies`: components that need a body.
@@ -21,6 +21,7 @@ mod meshes;
 mod physics;
 mod scenes;
 mod subject;
+mod verdict;
 
 use bevy::prelude::*;
 

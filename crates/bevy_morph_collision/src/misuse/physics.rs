@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::look::Look;
 use super::subject::{Around, SubjectItem};
+use super::verdict::Verdict;
 use crate::app::WarnOnce;
 
 /// Notes entities that get a component of a physics engine.
@@ -37,7 +37,7 @@ pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'stat
 
 /// Warns of components for a physics engine that the app, or this crate's plugin for it, lacks.
 #[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
-pub(super) fn look(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -> Look {
+pub(super) fn look(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -> Verdict {
     #[cfg(feature = "rapier")]
     if let Some(plugin) = around.rapier.plugin() {
         let components = ["MorphRapierCollider", "MorphRapierScene"];
@@ -48,7 +48,7 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -
         let components = ["MorphAvianCollider", "MorphAvianScene"];
         warn_of(subject.avian, components, plugin, (subject, around), log);
     }
-    Look::Done
+    Verdict::Done
 }
 
 #[cfg(any(feature = "rapier", feature = "avian"))]

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::look::Look;
 use super::subject::{Around, SubjectItem};
+use super::verdict::Verdict;
 use crate::app::WarnOnce;
 use crate::components::MorphColliderScene;
 use crate::setup::SceneState;
@@ -20,15 +20,17 @@ struct Part<'a> {
 }
 
 /// Looks at the scene of an entity, once its meshes are there.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Look {
-    let Some(scene) = subject.scene else { return Look::Done };
+pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
+    let Some(scene) = subject.scene else {
+        return Verdict::Done;
+    };
     let state = around.spawned.state(subject.entity, &around.hierarchy, &around.names);
     match state {
         // A scene may still be spawned below it.
-        None if is_new || around.spawned.any_is_pending(&around.names) => return Look::Again,
+        None if is_new || around.spawned.any_is_pending(&around.names) => return Verdict::Again,
         None | Some(SceneState::Spawned) => {}
         // Noted again when it is spawned. Failures are logged elsewhere.
-        Some(_) => return Look::Done,
+        Some(_) => return Verdict::Done,
     }
     let parts = parts(subject, around);
     if parts.is_empty() {
@@ -40,11 +42,11 @@ pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &m
             let name = around.name(subject.entity);
             format!("`MorphColliderScene` makes no colliders: there are no meshes at or below entity {name}. {remedy}")
         });
-        return Look::Done;
+        return Verdict::Done;
     }
     unknown_names(subject, scene, &parts, around, log);
     rigid_meshes(subject, scene, &parts, around, log);
-    Look::Done
+    Verdict::Done
 }
 
 /// The meshes of a scene.

@@ -6,43 +6,16 @@ use std::sync::{Mutex, PoisonError};
 use morph_collision::QueryStats;
 use morph_collision::batch::Workers;
 
+use super::comparison::{Answer, Asked, Job, Pair};
 use super::motion::{SHARED_STEPS, STEPS_PER_PAIR, Way};
+use super::participant::Placed;
 use super::starts::Starts;
-use super::touch::{Found, Touch};
-use super::{Asked, Pair, Placed};
-use crate::components::MorphCollisionMode;
+use super::touch::Touch;
 use crate::contacts::MorphContact;
 
 /// With fewer costly contacts than this, all are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not
 /// touch.
 const MIN_COSTLY: usize = 16;
-
-/// A pair for which a contact might have to be built, and what is known about it.
-pub(super) struct Job {
-    pub(super) asked: Asked,
-    pub(super) found: Found,
-}
-
-/// What is known about a pair in the end.
-#[derive(Debug, PartialEq)]
-pub(super) enum Answer {
-    Apart,
-    Touching(MorphContact),
-    /// They touched on their way from the last run, but do not any more.
-    Passed(MorphContact),
-}
-
-impl Job {
-    /// Whether it takes more than one pair of triangles.
-    fn is_costly(&self) -> bool {
-        match &self.found {
-            Found::Unknown | Found::Apart => true,
-            Found::Triangles { triangles, .. } => {
-                triangles.is_empty() || self.asked.is_swept || self.asked.mode == MorphCollisionMode::Contacts
-            }
-        }
-    }
-}
 
 /// One [`Builder`] per thread, kept for their memory.
 #[derive(Default)]

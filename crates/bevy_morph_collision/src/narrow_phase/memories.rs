@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use morph_collision::PairMemory;
 
-use super::touch::wants_all;
-use super::{Asked, Pair};
+use super::comparison::{Asked, Pair, wants_all};
 use crate::contacts::MorphContact;
 
 /// Memories, sorted by pair.

@@ -4,9 +4,10 @@ use bevy::math::{DVec3, Vec3};
 use morph_collision::motion::{Features, LimitReached, MotionContact, MovingBody};
 use morph_collision::{MorphModel, QueryStats, TrianglePair};
 
+use super::comparison::Asked;
+use super::participant::Placed;
 use super::starts::Starts;
 use super::touch::Touch;
-use super::{Asked, Placed};
 use crate::components::MorphCollisionMode;
 use crate::contacts::{MorphContact, MorphFeatures, MorphImpact, no_triangles};
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use bevy::ecs::entity::EntityHashMap;
 use morph_collision::{Aabb, Pose, WorldFromModel};
 
-use super::builders::Job;
-use super::{Placed, UsedMesh};
+use super::comparison::Job;
+use super::participant::{Placed, UsedMesh};
 use crate::broad_phase::SweptPairs;
 use crate::state::{Form, LockedPose};
 

@@ -6,7 +6,8 @@ use morph_collision::{
     ContactQuery, DistanceQuery, PlacedShape, QueryStats, ShapeContact, ShapeQuery, TrianglePair, triangle_contact,
 };
 
-use super::{Asked, Placed};
+use super::comparison::{Asked, Found, wants_all};
+use super::participant::Placed;
 use crate::components::MorphCollisionMode;
 use crate::contacts::{MorphContact, MorphContactPoint, pair_with_shape};
 use crate::state::Form;
@@ -18,25 +19,6 @@ pub(super) struct Touch {
     distance: DistanceQuery,
     shape: ShapeQuery,
     pub(super) motion: MotionQuery,
-}
-
-/// What is known about a pair before its contact is built.
-pub(super) enum Found {
-    /// Nothing: one of the colliders is a shape.
-    Unknown,
-    /// They are apart now. Only their way is to be compared.
-    Apart,
-    /// The intersecting triangles of two meshes.
-    Triangles {
-        triangles: Vec<TrianglePair>,
-        /// Whether there are more.
-        is_truncated: bool,
-    },
-}
-
-/// Whether a mode asks for every pair of triangles, up to a limit.
-pub(super) fn wants_all(mode: MorphCollisionMode) -> bool {
-    matches!(mode, MorphCollisionMode::All | MorphCollisionMode::Contacts)
 }
 
 impl Touch {

@@ -132,11 +132,7 @@ fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .in_set(Stage::Weights),
             broad_phase::find_candidates.in_set(Stage::BroadPhase),
-            (
-                narrow_phase::find_contacts,
-                contacts::pair_bodies,
-                self_collisions::find_self_collisions,
-            )
+            (narrow_phase::find_contacts, self_collisions::find_self_collisions)
                 .chain()
                 .in_set(Stage::NarrowPhase),
             (

@@ -4,7 +4,7 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 use tracing::error;
 
-use super::collision::MorphCollisionPlugin;
+use crate::contacts::MorphCollisions;
 
 /// The schedule in which collision detection runs: [`PostUpdate`] unless
 /// [`MorphPlugins::in_schedule`](crate::plugins::MorphPlugins::in_schedule) or
@@ -31,10 +31,10 @@ impl MorphCollisionSchedule {
     }
 }
 
-/// Makes the choice for [`MorphCollisionPlugin`], which comes after it.
+/// Makes the choice for [`MorphCollisionPlugin`](crate::plugins::MorphCollisionPlugin), which comes after it.
 impl Plugin for MorphCollisionSchedule {
     fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<MorphCollisionPlugin>() {
+        if app.world().contains_resource::<MorphCollisions>() {
             error!("`MorphCollisionSchedule` has no effect, because `MorphCollisionPlugin` was added before it");
         }
         app.insert_resource(*self);

@@ -49,8 +49,9 @@ pub(crate) fn read_joints(
         {
             let changed = changed || !state.has_joints;
             state.has_joints = true;
-            state.reposed |= changed;
-            state.changed |= changed;
+            if changed {
+                state.freshness.pose_changed();
+            }
         }
     }
     diagnostics.duration += start.elapsed();

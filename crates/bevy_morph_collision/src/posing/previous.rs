@@ -3,15 +3,14 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::broad_phase::Candidates;
-use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, RunTimes};
+use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, RunTimes, Runs};
 
 /// Begins a run: saves the current state of every mesh as its previous state.
 ///
 /// Costs one copy of the weights per collider.
 pub(crate) fn remember(
     mut colliders: Query<&mut ColliderState>,
-    candidates: Res<Candidates>,
+    runs: Res<Runs>,
     time: Option<Res<Time>>,
     mut times: ResMut<RunTimes>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
@@ -21,7 +20,7 @@ pub(crate) fn remember(
     for mut state in &mut colliders {
         let state = &mut *state;
         // While its entity was disabled, its state was not updated.
-        let placed = state.placed.as_ref().filter(|_| state.seen == candidates.run());
+        let placed = state.placed.as_ref().filter(|_| state.freshness.is_seen(&runs));
         state.before.place = match placed.map(|placed| &placed.form) {
             Some(Form::Mesh(place)) => Some(*place),
             _ => None,

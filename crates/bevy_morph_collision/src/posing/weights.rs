@@ -57,8 +57,9 @@ pub(crate) fn read_weights(
         match take_weights(pose, weights, &shared, &mut rest) {
             Ok(changed) => {
                 state.bad_weights = BadWeights::default();
-                state.reposed |= changed;
-                state.changed |= changed;
+                if changed {
+                    state.freshness.pose_changed();
+                }
             }
             Err(problem) => {
                 let bad = &mut state.bad_weights;

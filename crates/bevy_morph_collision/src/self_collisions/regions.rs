@@ -4,7 +4,7 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use morph_collision::{Body, MorphModel, TrianglePair, touching_regions};
 
-use super::MorphSelfContact;
+use super::list::MorphSelfContact;
 
 /// What began and ended.
 #[derive(Default)]

@@ -8,13 +8,10 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use morph_collision::{MorphBvh, Pose};
-use std::sync::Arc;
 
-use crate::broad_phase::Candidates;
 use crate::components::{MorphCollider, MorphShape};
 use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
-use crate::state::{ColliderState, LockedPose, MorphCollisionDiagnostics, Preparation};
+use crate::state::{ColliderState, MorphCollisionDiagnostics, Preparation, Runs};
 
 /// The components that determine a collider's tree.
 pub(crate) type Shows = (
@@ -125,7 +122,7 @@ pub(crate) struct Culls;
 /// disabled entities.
 pub(crate) fn hand_out_trees(
     mut colliders: Query<(Entity, Shows, &mut ColliderState), With<MorphCollider>>,
-    candidates: Res<Candidates>,
+    runs: Res<Runs>,
     mut trees: ResMut<MorphTrees>,
     mut version: Local<u64>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
@@ -134,7 +131,7 @@ pub(crate) fn hand_out_trees(
     let every = *version != trees.version();
     *version = trees.version();
     for (entity, shows, mut state) in &mut colliders {
-        let was_away = state.seen != candidates.run();
+        let was_away = !state.freshness.is_seen(&runs);
         let key = key_of(shows);
         if !every && !was_away && state.tree == key {
             continue;
@@ -146,37 +143,4 @@ pub(crate) fn hand_out_trees(
         state.take_tree(key, tree);
     }
     diagnostics.duration += start.elapsed();
-}
-
-impl ColliderState {
-    fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
-        self.tree = key;
-        let mut before = self.pose.take();
-        let is_current = match (tree, before.as_mut().map(|pose| pose.get_mut().bvh())) {
-            (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
-            (None, None) => true,
-            _ => false,
-        };
-        if is_current {
-            self.pose = before;
-            return;
-        }
-        let before = before.as_mut().map(LockedPose::get_mut);
-        let mut pose = tree.map(|tree| Pose::new(tree.clone()));
-        if let (Some(pose), Some(before)) = (&mut pose, &before) {
-            // The last valid weights stay in use if the next ones are invalid. If the number of targets changed, the pose starts
-            // at rest.
-            let _fits = pose.set_weights(before.weights());
-        }
-        // The same for joints.
-        let joints = before
-            .as_ref()
-            .and_then(|pose| pose.joints())
-            .filter(|_| self.has_joints);
-        let carried = pose.as_mut().zip(joints).map(|(pose, joints)| pose.set_joints(joints));
-        self.has_joints = matches!(carried, Some(Ok(_)));
-        self.pose = pose.map(LockedPose::new);
-        self.reposed = true;
-        self.changed = true;
-    }
 }

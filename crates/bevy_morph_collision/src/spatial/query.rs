@@ -9,7 +9,7 @@ use super::state::{Queries, Scratch, SpatialState};
 use super::surface::Surfaces;
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
-use crate::state::{ColliderState, Form, RunTimes};
+use crate::state::{ColliderState, Form, RunTimes, Runs};
 
 /// Spatial queries for [`MorphCollider`](crate::components::MorphCollider)s in their current pose: ray casts, shape casts, intersections,
 /// closest points and contacts.
@@ -52,6 +52,7 @@ pub struct MorphSpatialQuery<'w, 's> {
     states: Query<'w, 's, &'static ColliderState, Allow<Disabled>>,
     surfaces: Surfaces<'w, 's>,
     candidates: Option<Res<'w, Candidates>>,
+    runs: Option<Res<'w, Runs>>,
     state: Option<Res<'w, SpatialState>>,
     settings: Option<Res<'w, MorphCollisionSettings>>,
     pub(super) times: Option<Res<'w, RunTimes>>,
@@ -104,10 +105,10 @@ impl MorphSpatialQuery<'_, '_> {
         bound: impl FnMut(&Aabb) -> Option<f32>,
         mut at: impl FnMut(&mut Queries, Entity, Target<'_>) -> f32,
     ) {
-        let (Some(candidates), Some(state)) = (&self.candidates, &self.state) else {
+        let (Some(candidates), Some(runs), Some(state)) = (&self.candidates, &self.runs, &self.state) else {
             return;
         };
-        let index = state.index(candidates, &self.states);
+        let index = state.index(candidates, runs, &self.states);
         let mut scratch = state.scratch();
         let queries = scratch.queries();
         let mut queue = std::mem::take(&mut queries.queue);
@@ -129,9 +130,9 @@ impl MorphSpatialQuery<'_, '_> {
     /// A collider's state after the last run; `None` if it took no part. Disabled entities are not updated, so their old state
     /// does not count when they are enabled again.
     pub(super) fn state(&self, collider: Entity) -> Option<&ColliderState> {
-        let run = self.candidates.as_ref()?.run();
+        let runs = self.runs.as_ref()?;
         let state = self.colliders.get(collider).ok()?;
-        (state.seen == run).then_some(state)
+        state.freshness.is_seen(runs).then_some(state)
     }
 
     /// Calls `ask` with a collider's mesh; `None` if the collider does not exist or has a shape.

@@ -10,7 +10,7 @@ use tracing::warn;
 
 use super::index::{ColliderIndex, Queue};
 use crate::broad_phase::Candidates;
-use crate::state::ColliderState;
+use crate::state::{ColliderState, Runs};
 
 /// State that the spatial queries of all systems share. Locks are held briefly, never while a query runs.
 #[derive(Resource, Default)]
@@ -41,12 +41,13 @@ impl SpatialState {
     pub(super) fn index(
         &self,
         candidates: &Candidates,
+        runs: &Runs,
         states: &Query<&ColliderState, Allow<Disabled>>,
     ) -> Arc<ColliderIndex> {
         let mut index = self.index.lock().unwrap_or_else(PoisonError::into_inner);
-        if index.version != candidates.version {
+        if index.version != runs.version() {
             let changed = Arc::make_mut(&mut index);
-            changed.version = candidates.version;
+            changed.version = runs.version();
             let colliders = candidates.colliders().iter();
             changed.update(colliders.map(|(collider, seen)| {
                 let placed = states.get(*collider).ok().and_then(|state| state.placed.as_ref());

@@ -3,12 +3,16 @@
 use super::bad_weights::BadWeights;
 use super::held::Held;
 use super::locked_pose::LockedPose;
-use super::placement::Placement;
+use super::placement::{Form, Placement};
 use super::previous::Before;
 use super::readiness::Readiness;
 use crate::components::MorphCollider;
 use crate::import::TreeKey;
+use std::sync::Arc;
+
+use super::freshness::Freshness;
 use bevy::prelude::*;
+use morph_collision::MorphBvh;
 use morph_collision::Pose;
 
 /// The plugin's state for one collider.
@@ -26,13 +30,8 @@ pub(crate) struct ColliderState {
     pub(crate) held: Option<Box<Held>>,
     /// The collider's state one run earlier.
     pub(crate) before: Before,
-    /// Whether the pose was replaced, or got other weights or joints, since its bounds were last requested.
-    pub(crate) reposed: bool,
-    /// Whether anything that affects an answer differs from the last run. With a tolerance: whether the state that collisions see
-    /// has changed.
-    pub(crate) changed: bool,
-    /// The last run in which the collider was read. Disabled entities are not read.
-    pub(crate) seen: u32,
+    /// What has changed about it since the last run.
+    pub(crate) freshness: Freshness,
     /// Which problem with its weights has been logged, so that it is not logged every frame.
     pub(crate) bad_weights: BadWeights,
     /// The same for its position and size.
@@ -44,6 +43,76 @@ pub(crate) struct ColliderState {
 impl ColliderState {
     pub(crate) fn pose_mut(&mut self) -> Option<&mut Pose> {
         self.pose.as_mut().map(LockedPose::get_mut)
+    }
+}
+
+impl ColliderState {
+    /// How collisions see the collider; `None` if it takes no part.
+    pub(crate) fn seen_as(&self) -> Option<&Placement> {
+        let held = self.held.as_ref().map(|held| &held.placed);
+        held.or(self.placed.as_ref())
+    }
+
+    /// Updates the state that collisions see, unless the collider has moved by at most its tolerance since the last update.
+    /// Returns whether collisions see an earlier state.
+    pub(crate) fn hold(&mut self, was_absent: bool, tolerance: f32) -> bool {
+        let Some(placed) = self.placed.filter(|_| tolerance > 0.0) else {
+            self.held = None;
+            self.freshness.stop_holding();
+            return false;
+        };
+        if let Some(held) = &mut self.held
+            && !was_absent
+        {
+            let same_tolerance = held.set_tolerance(tolerance);
+            if !self.freshness.answers_are_old() && same_tolerance {
+                return self.freshness.is_held_back();
+            }
+            if held.is_within_tolerance(self.pose.as_mut().map(LockedPose::get_mut), &placed) {
+                self.freshness.hold_back();
+                return self.freshness.is_held_back();
+            }
+        }
+        self.freshness.show_current();
+        let is_mesh = matches!(placed.form, Form::Mesh(_));
+        let pose = self.pose.as_mut().filter(|_| is_mesh).map(|pose| &*pose.get_mut());
+        match &mut self.held {
+            Some(held) => held.update(pose, placed, tolerance),
+            None => self.held = Some(Box::new(Held::new(pose, placed, self.before.shape.clone(), tolerance))),
+        }
+        false
+    }
+
+    /// Gives the collider a new pose if its tree is another one, or takes its pose if there is no tree. `key` is the tree that it has or
+    /// waits for.
+    pub(crate) fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
+        self.tree = key;
+        let mut before = self.pose.take();
+        let is_current = match (tree, before.as_mut().map(|pose| pose.get_mut().bvh())) {
+            (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
+            (None, None) => true,
+            _ => false,
+        };
+        if is_current {
+            self.pose = before;
+            return;
+        }
+        let before = before.as_mut().map(LockedPose::get_mut);
+        let mut pose = tree.map(|tree| Pose::new(tree.clone()));
+        if let (Some(pose), Some(before)) = (&mut pose, &before) {
+            // The last valid weights stay in use if the next ones are invalid. If the number of targets changed, the pose starts
+            // at rest.
+            let _fits = pose.set_weights(before.weights());
+        }
+        // The same for joints.
+        let joints = before
+            .as_ref()
+            .and_then(|pose| pose.joints())
+            .filter(|_| self.has_joints);
+        let carried = pose.as_mut().zip(joints).map(|(pose, joints)| pose.set_joints(joints));
+        self.has_joints = matches!(carried, Some(Ok(_)));
+        self.pose = pose.map(LockedPose::new);
+        self.freshness.pose_changed();
     }
 }
 

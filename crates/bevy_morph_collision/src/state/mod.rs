@@ -4,11 +4,12 @@
 //!   - `locked_pose`: its pose. `placement`: where and how it takes part. `previous`: the same one run earlier.
 //!   - `held`: the earlier state that collisions see if the collider has a tolerance.
 //!   - `bad_weights`, `readiness`: what has been reported about it.
-//! - `run_times`: when runs were. `diagnostics`: what the last run did.
+//! - `freshness`: what has changed since the last run, and who has noticed. `run_times`: when runs were. `diagnostics`: what the last run did.
 
 mod bad_weights;
 mod collider_state;
 mod diagnostics;
+mod freshness;
 mod held;
 mod locked_pose;
 mod placement;
@@ -27,6 +28,7 @@ pub(crate) use collider_state::ColliderState;
 pub use diagnostics::MorphCollisionDiagnostics;
 pub(crate) use diagnostics::{Preparation, begin_run};
 
+pub(crate) use freshness::Runs;
 pub(crate) use locked_pose::LockedPose;
 pub(crate) use placement::{Form, Placement, Skip};
 
@@ -38,6 +40,7 @@ pub(crate) fn add(app: &mut App) {
     app.init_resource::<MorphCollisionDiagnostics>()
         .init_resource::<Preparation>()
         .init_resource::<RunTimes>()
+        .init_resource::<Runs>()
         .register_type::<MorphCollisionDiagnostics>()
         .add_observer(collider_state::forget_collider);
     if app

@@ -66,7 +66,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     // We only ask whether bodies touch.
     let mut parts = app.world_mut().query::<&mut MorphCollider>();
     for mut collider in parts.iter_mut(app.world_mut()) {
-        *collider = MorphCollider::new(MorphCollisionMode::Any).with_tolerance(tolerance);
+        *collider = MorphCollider::new(MorphCollisionMode::First).with_tolerance(tolerance);
     }
 
     let progress = progress_bar(3 * u64::from(options.frames));

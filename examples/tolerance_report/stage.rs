@@ -98,7 +98,7 @@ impl Stage {
         }
         let mut colliders = stage.app.world_mut().query::<&mut MorphCollider>();
         for mut collider in colliders.iter_mut(stage.app.world_mut()) {
-            *collider = MorphCollider::new(MorphCollisionMode::Any).with_tolerance(tolerance * size);
+            *collider = MorphCollider::new(MorphCollisionMode::First).with_tolerance(tolerance * size);
         }
         let mut parts = drawn::parts::<With<MorphCollider>>(stage.app.world_mut(), &stage.meshes);
         let (world, roots) = (stage.app.world(), &stage.roots);

@@ -5,9 +5,7 @@ use std::any::TypeId;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy::prelude::*;
-use bevy_morph_collision::import::DefaultMorphTreeSettings;
 use bevy_morph_collision::import::MorphTrees;
-use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::morph_collision::Pose;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
@@ -23,9 +21,10 @@ fn two_drawn_cubes() -> (App, [Entity; 2]) {
     let mut app = headless(&assets());
     app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
     // Small leaves, so that there are nodes below the root's children.
-    app.insert_resource(DefaultMorphTreeSettings(
-        BuildOptions::default().with_leaf_size(1).unwrap(),
-    ));
+    app.insert_resource(MorphCollisionSettings {
+        tree_options: MorphTreeOptions { leaf_size: 1 },
+        ..default()
+    });
     start(&mut app);
     let mesh = add_mesh(&mut app, &stretching_cube());
     let cubes = [0.0, APART].map(|x| spawn(&mut app, &mesh, x));

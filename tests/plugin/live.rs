@@ -2,7 +2,6 @@
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::import::DefaultMorphTreeSettings;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::prelude::*;
@@ -247,7 +246,7 @@ fn events_are_heard_as_soon_as_they_are_enabled() {
 
 fn leaf_size(app: &App, cube: Entity) -> Option<usize> {
     let mesh = app.world().get::<Mesh3d>(cube).unwrap();
-    let settings = app.world().get::<MorphTreeSettings>(cube);
+    let settings = app.world().get::<MorphTreeOptions>(cube);
     let tree = app.world().resource::<MorphTrees>().shown_with(mesh, settings, None);
     tree.map(|tree| tree.options().leaf_size())
 }
@@ -267,34 +266,45 @@ fn touching_until(app: &mut App, [a, b]: [Entity; 2], size: usize) {
 fn colliders_collide_on_while_a_tree_with_other_settings_is_built() {
     let (mut app, [a, b]) = two_cubes(0.8);
     for size in [1, 2, 3] {
-        insert(app.world_mut(), a, MorphTreeSettings { leaf_size: size });
+        insert(app.world_mut(), a, MorphTreeOptions { leaf_size: size });
         touching_until(&mut app, [a, b], size.into());
     }
-    edit::<MorphTreeSettings>(app.world_mut(), a, |settings| settings.leaf_size = 4);
+    edit::<MorphTreeOptions>(app.world_mut(), a, |settings| settings.leaf_size = 4);
     touching_until(&mut app, [a, b], 4);
-    app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
+    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
     touching_until(&mut app, [a, b], BuildOptions::default().leaf_size());
     // The default for all meshes, which the other cube follows too.
-    let default = |size| DefaultMorphTreeSettings(BuildOptions::default().with_leaf_size(size).unwrap());
+    let set_default = |app: &mut App, leaf_size: u8| {
+        let mut settings = app.world_mut().resource_mut::<MorphCollisionSettings>();
+        settings.tree_options = MorphTreeOptions { leaf_size };
+    };
     for size in [5, 6] {
-        app.insert_resource(default(size));
-        touching_until(&mut app, [a, b], size);
-        assert_eq!(leaf_size(&app, b), Some(size));
+        set_default(&mut app, size);
+        touching_until(&mut app, [a, b], size.into());
+        assert_eq!(leaf_size(&app, b), Some(size.into()));
     }
+    // A bad one is reported once, and the last good one stays.
+    crate::log::Errors::collect(|errors| {
+        set_default(&mut app, 0);
+        settle(&mut app);
+        assert!(touches(&app, a, b));
+        assert_eq!(leaf_size(&app, b), Some(6));
+        assert_eq!(errors.take().len(), 1);
+    });
     // A collider's own settings take precedence.
-    insert(app.world_mut(), a, MorphTreeSettings { leaf_size: 9 });
+    insert(app.world_mut(), a, MorphTreeOptions { leaf_size: 9 });
     touching_until(&mut app, [a, b], 9);
-    app.insert_resource(default(7));
+    set_default(&mut app, 7);
     touching_until(&mut app, [b, a], 7);
     assert_eq!(leaf_size(&app, a), Some(9));
     // A mesh that cannot be built with these settings is left out.
     crate::log::Errors::collect(|errors| {
-        insert(app.world_mut(), a, MorphTreeSettings { leaf_size: 0 });
+        insert(app.world_mut(), a, MorphTreeOptions { leaf_size: 0 });
         settle(&mut app);
         assert!(!touches(&app, a, b));
         assert_eq!(errors.take().len(), 1);
     });
-    app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
+    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
     app.update();
     assert!(touches(&app, a, b));
 }

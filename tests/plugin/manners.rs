@@ -107,7 +107,7 @@ fn settings_survive_a_scene_file() {
         Box::new(scene),
         Box::new(MorphCollider::new(MorphCollisionMode::First)),
         Box::new(MorphCollisionLayers::new(1, 2)),
-        Box::new(MorphTreeSettings { leaf_size: 3 }),
+        Box::new(MorphTreeOptions { leaf_size: 3 }),
         Box::new(MorphShape::Capsule {
             half_length: 1.0,
             radius: 0.5,

@@ -47,7 +47,7 @@ fn two_passive_colliders_are_never_compared_and_one_is_when_the_other_asks() {
     assert_eq!(diagnostics(&app).skipped_passive, 1);
     app.world_mut()
         .entity_mut(b)
-        .insert(MorphCollider::new(MorphCollisionMode::Any));
+        .insert(MorphCollider::new(MorphCollisionMode::First));
     app.update();
     assert!(touches(&app, a, b));
 }
@@ -234,24 +234,24 @@ fn a_run_in_which_nothing_changes_compares_nothing() {
 #[test]
 fn colliders_can_have_trees_of_their_own() {
     let (mut app, [a, b]) = two_cubes(0.8);
-    let settings = MorphTreeSettings { leaf_size: 2 };
+    let settings = MorphTreeOptions { leaf_size: 2 };
     app.world_mut().entity_mut(a).insert(settings);
     settle(&mut app);
     assert!(touches(&app, a, b), "trees with different leaves");
     let trees = app.world().resource::<MorphTrees>();
     assert_eq!(trees.iter().count(), 2);
     let mesh = app.world().get::<Mesh3d>(a).unwrap().id();
-    let own = trees.with_settings(mesh, Some(settings)).unwrap();
+    let own = trees.with_options(mesh, Some(settings)).unwrap();
     assert!(own.node_count() > trees.get(mesh).unwrap().node_count());
 
-    app.world_mut().entity_mut(a).insert(MorphTreeSettings { leaf_size: 0 });
+    app.world_mut().entity_mut(a).insert(MorphTreeOptions { leaf_size: 0 });
     crate::log::Errors::collect(|errors| {
         settle(&mut app);
         let logged = errors.take();
         assert!(logged.len() == 1 && logged[0].contains("leaf_size is 0"), "{logged:?}");
     });
     assert!(!touches(&app, a, b), "there is no such tree");
-    app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
+    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
     settle(&mut app);
     assert!(touches(&app, a, b));
 }
@@ -303,7 +303,7 @@ fn a_lasting_contact_is_found_where_it_was_found_before() {
         (0..100).map(frame).collect::<Vec<_>>()
     };
     let all = run(MorphCollisionMode::All);
-    for mode in [MorphCollisionMode::First, MorphCollisionMode::Any] {
+    for mode in [MorphCollisionMode::First] {
         let (mut lasting, mut without_a_walk, mut untouched) = (0, 0, 0);
         let mut age = 0;
         for ((found, node_tests), (expected, _)) in run(mode).into_iter().zip(&all) {

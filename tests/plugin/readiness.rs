@@ -8,7 +8,6 @@ use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy::world_serialization::{WorldAsset, WorldInstanceReady};
 use bevy_morph_collision::import::{ImportError, MorphTreeProgress};
-use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 use morph_collision_testkit::models::random::random_blob;
@@ -162,7 +161,7 @@ fn a_collider_is_ready_for_its_first_tree_and_for_each_new_one() {
     assert_eq!(heard(&mut app), ready, "a modified mesh");
     app.world_mut()
         .entity_mut(collider)
-        .insert(MorphTreeSettings { leaf_size: 1 });
+        .insert(MorphTreeOptions { leaf_size: 1 });
     settle(&mut app);
     assert_eq!(heard(&mut app), ready, "other settings");
     app.world_mut().entity_mut(collider).remove::<MorphCollider>();
@@ -174,7 +173,7 @@ fn a_collider_is_ready_for_its_first_tree_and_for_each_new_one() {
     let second = spawn(&mut app, &mesh, 9.0);
     app.world_mut()
         .entity_mut(second)
-        .insert(MorphTreeSettings { leaf_size: 1 });
+        .insert(MorphTreeOptions { leaf_size: 1 });
     app.update();
     assert_eq!(heard(&mut app), [Heard::Ready(second)], "the tree is there already");
 }
@@ -326,8 +325,10 @@ fn other_settings_do_not_hide_that_a_mesh_is_bad() {
     settle(&mut app);
     let failed = heard(&mut app);
     assert!(matches!(failed[..], [Heard::Failed(..)]), "{failed:?}");
-    let options = BuildOptions::default().with_leaf_size(3).unwrap();
-    app.insert_resource(DefaultMorphTreeSettings(options));
+    app.world_mut()
+        .resource_mut::<MorphCollisionSettings>()
+        .tree_options
+        .leaf_size = 3;
     settle(&mut app);
     assert_eq!(heard(&mut app), [], "the last good tree is as good as it was");
     assert_eq!(app.world().resource::<MorphTrees>().progress().failed, 1);

@@ -238,7 +238,7 @@ fn a_mouth_opens_onto_a_ball() {
     let shape = MorphShape::Ball { radius: room * 0.2 };
     let ball = app.world_mut().spawn((shape, Transform::from_translation(place))).id();
     settle(&mut app);
-    let touched = |app: &App| app.world().resource::<MorphCollisions>().of(ball).count() > 0;
+    let touched = |app: &App| app.world().resource::<MorphCollisions>().collisions_with(ball).count() > 0;
     assert!(!touched(&app), "the mouth is closed");
     let mut opened = Vec::new();
     for step in 0..=10 {

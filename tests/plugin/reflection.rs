@@ -38,7 +38,7 @@ fn for_each_component(entity: Entity, mut each: impl EachComponent) {
     each.of(MorphCollidingEntities::default());
     each.of(MorphShape::from(Capsule3d::new(0.5, 2.0)));
     each.of(MorphSurfaceAnchor::new(entity, 3, Vec3::X).with_offset(0.5));
-    each.of(MorphTreeSettings { leaf_size: 3 });
+    each.of(MorphTreeOptions { leaf_size: 3 });
     each.of(MorphRapierCollider {
         max_acceleration: 7.0,
         solid: true,
@@ -163,7 +163,7 @@ fn every_component_survives_a_scene_file() {
         .allow_component::<MorphCollidingEntities>()
         .allow_component::<MorphShape>()
         .allow_component::<MorphSurfaceAnchor>()
-        .allow_component::<MorphTreeSettings>()
+        .allow_component::<MorphTreeOptions>()
         .allow_component::<MorphRapierCollider>()
         .allow_component::<MorphRapierScene>();
     let text = builder
@@ -245,7 +245,6 @@ fn components_resources_and_events_are_registered() {
     check_registered::<MorphCollisionDiagnostics>(&registry, &resource);
     check_registered::<MorphCollisions>(&registry, &resource);
     check_registered::<MorphTrees>(&registry, &resource);
-    check_registered::<DefaultMorphTreeSettings>(&registry, &resource);
     check_registered::<MorphPickingSettings>(&registry, &resource);
     check_registered::<MorphRapierDiagnostics>(&registry, &resource);
     let event: [fn(&bevy::reflect::TypeRegistration) -> bool; 3] = [
@@ -308,7 +307,7 @@ fn scenes_written_in_rust_have_colliders_and_bodies() {
             MorphShape::Ball { radius: 0.25 }
             MorphColliderOf { body: #Knight }
             --
-            MorphColliderDisabled MorphTreeSettings { leaf_size: 2 } MorphSurfaceAnchor { offset: 0.5 }
+            MorphColliderDisabled MorphTreeOptions { leaf_size: 2 } MorphSurfaceAnchor { offset: 0.5 }
         ]
     });
     let root = root.expect("the scene can be spawned").id();
@@ -331,7 +330,7 @@ fn scenes_written_in_rust_have_colliders_and_bodies() {
     assert_eq!(world.get(children[0]), Some(&scene));
     let anchor = MorphSurfaceAnchor::default().with_offset(0.5);
     assert_eq!(world.get(children[2]), Some(&anchor));
-    assert_eq!(world.get(children[2]), Some(&MorphTreeSettings { leaf_size: 2 }));
+    assert_eq!(world.get(children[2]), Some(&MorphTreeOptions { leaf_size: 2 }));
 }
 
 #[test]

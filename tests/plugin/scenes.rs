@@ -137,7 +137,7 @@ fn what_the_user_put_on_a_part_first_stays() {
     let root = app.world_mut().spawn(Transform::default()).id();
     let (own_layers, own) = (
         MorphCollisionLayers::new(4, 4),
-        MorphCollider::new(MorphCollisionMode::Any),
+        MorphCollider::new(MorphCollisionMode::First),
     );
     let mut part = |bundle: &dyn Fn(&mut EntityWorldMut)| {
         let mut part = app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root)));
@@ -281,7 +281,7 @@ fn the_setting_for_every_mesh_can_be_changed_and_taken_back() {
     let (mut app, meshes @ [loose, own, _]) = three_meshes();
     let theirs = Some(MorphCollider::default());
     assert_eq!(colliders(&app, meshes), [None, theirs, theirs]);
-    for collider in [FIRST, MorphCollider::new(MorphCollisionMode::Any)] {
+    for collider in [FIRST, MorphCollider::new(MorphCollisionMode::First)] {
         set_all(&mut app, Some(collider));
         assert_eq!(colliders(&app, meshes), [Some(collider), theirs, theirs]);
         assert_eq!(app.world().get::<MorphColliderOf>(loose), None);

@@ -181,8 +181,8 @@ fn a_mesh_that_is_modified_every_frame_still_gets_trees() {
 }
 
 /// Settings with a leaf size.
-fn leaves_of(leaf_size: u8) -> MorphTreeSettings {
-    MorphTreeSettings { leaf_size }
+fn leaves_of(leaf_size: u8) -> MorphTreeOptions {
+    MorphTreeOptions { leaf_size }
 }
 
 fn tree_count(app: &App) -> usize {
@@ -215,7 +215,7 @@ fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
     app.world_mut().entity_mut(a).insert(leaves_of(31));
     settle(&mut app);
     assert_eq!(tree_count(&app), 2);
-    app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
+    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
     settle(&mut app);
     assert_eq!(tree_count(&app), 2);
     app.world_mut().despawn(b);
@@ -231,7 +231,7 @@ fn the_last_trees_of_a_mesh_stay_for_what_is_spawned_next() {
     let mesh = app.world().get::<Mesh3d>(a).unwrap().0.clone();
     let trees = |app: &App| {
         let trees = app.world().resource::<MorphTrees>();
-        [None, Some(leaves_of(1))].map(|settings| trees.with_settings(mesh.id(), settings).map(Arc::as_ptr))
+        [None, Some(leaves_of(1))].map(|settings| trees.with_options(mesh.id(), settings).map(Arc::as_ptr))
     };
     let before = trees(&app);
     assert!(before.iter().all(Option::is_some));
@@ -277,7 +277,7 @@ fn trees_with_other_settings_share_the_mesh() {
     settle(&mut app);
     assert!(touches(&app, a, b));
     let trees = app.world().resource::<MorphTrees>();
-    let [default, other] = [None, Some(leaves_of(1))].map(|settings| trees.with_settings(mesh, settings).unwrap());
+    let [default, other] = [None, Some(leaves_of(1))].map(|settings| trees.with_options(mesh, settings).unwrap());
     assert!(!Arc::ptr_eq(default, other));
     assert!(Arc::ptr_eq(default.model(), other.model()));
 }

@@ -25,15 +25,15 @@
 //!
 //! # Concepts
 //!
-//! - A **collider** is an entity with a [`MorphCollider`] and a `Mesh3d`. It collides as its mesh is drawn, with the current morph
-//!   weights, joints and transform. A [`MorphShape`] instead of the mesh makes it a ball, capsule, cuboid or half-space.
+//! - A **collider** is an entity with a [`MorphCollider`](components::MorphCollider) and a `Mesh3d`. It collides as its mesh is drawn, with the current morph
+//!   weights, joints and transform. A [`MorphShape`](components::MorphShape) instead of the mesh makes it a ball, capsule, cuboid or half-space.
 //! - A **body** is a collider, or an entity with several colliders, such as the root of a glTF scene. Colliders of one body never
 //!   collide with each other.
 //! - A **tree** makes queries fast. There is one for each mesh *asset*, built in the background and shared by all entities that
 //!   show the mesh. A collider takes part as soon as its tree is ready. Queries refit only the nodes that they visit.
 //! - A **run** compares all colliders once: by default in every frame, in [`PostUpdate`](bevy::prelude::PostUpdate), after
-//!   animation. Events, [`MorphCollisions`] and spatial queries show the state of the last run.
-//! - A **[mode](MorphCollisionMode)** says how much you want to know about a contact: whether two colliders touch, one pair of
+//!   animation. Events, [`MorphCollisions`](contacts::MorphCollisions) and spatial queries show the state of the last run.
+//! - A **[mode](components::MorphCollisionMode)** says how much you want to know about a contact: whether two colliders touch, one pair of
 //!   triangles, all pairs, or contact points with depths.
 //!
 //! Answers are those of [`morph_collision`]: exact, over the vertices that the mesh really has. Colliders report contact; they do
@@ -43,8 +43,8 @@
 //!
 //! ## Make things collide
 //!
-//! [`MorphColliderScene`] on the root of a glTF scene makes its deforming meshes colliders of one body. [`MorphCollider`] does it for
-//! one mesh, and [`MorphCollisionSettings`] for every mesh that deforms.
+//! [`MorphColliderScene`](components::MorphColliderScene) on the root of a glTF scene makes its deforming meshes colliders of one body. [`MorphCollider`](components::MorphCollider) does it for
+//! one mesh, and [`MorphCollisionSettings`](components::MorphCollisionSettings) for every mesh that deforms.
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -59,13 +59,13 @@
 //! # App::new().add_systems(Startup, spawn);
 //! ```
 //!
-//! [`MorphCollisionLayers`] decide what collides with what.
+//! [`MorphCollisionLayers`](components::MorphCollisionLayers) decide what collides with what.
 //!
 //! ## Find out what touches
 //!
-//! [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`] come once per pair of bodies, however many of their colliders touch:
-//! as messages, and to observers of the bodies. [`MorphCollisionStart`] and [`MorphCollisionEnd`] report every pair of colliders.
-//! Between these events, [`MorphCollidingEntities`] lists what an entity touches, and [`MorphCollisions`] has the contacts:
+//! [`MorphBodyCollisionStart`](events::MorphBodyCollisionStart) and [`MorphBodyCollisionEnd`](events::MorphBodyCollisionEnd) come once per pair of bodies, however many of their colliders touch:
+//! as messages, and to observers of the bodies. [`MorphCollisionStart`](events::MorphCollisionStart) and [`MorphCollisionEnd`](events::MorphCollisionEnd) report every pair of colliders.
+//! Between these events, [`MorphCollidingEntities`](events::MorphCollidingEntities) lists what an entity touches, and [`MorphCollisions`](contacts::MorphCollisions) has the contacts:
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -78,13 +78,13 @@
 //! # App::new().add_systems(Update, sparks);
 //! ```
 //!
-//! A [`continuous`](MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
-//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else, also to physics.
-//! [`MorphSelfCollisions`] reports where a mesh intersects itself.
+//! A [`continuous`](components::MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
+//! it unnoticed. [`MorphTeleported`](components::MorphTeleported) says that an entity did not move but was put somewhere else, also to physics.
+//! [`MorphSelfCollisions`](self_collisions::MorphSelfCollisions) reports where a mesh intersects itself.
 //!
 //! ## Ask about the surface
 //!
-//! [`MorphSpatialQuery`] casts rays and shapes, finds closest points and intersections, and returns posed vertices and velocities.
+//! [`MorphSpatialQuery`](spatial::MorphSpatialQuery) casts rays and shapes, finds closest points and intersections, and returns posed vertices and velocities.
 //! Any number of systems can use it at the same time.
 //!
 //! ```
@@ -99,8 +99,8 @@
 //! # App::new().add_systems(Update, shoot);
 //! ```
 //!
-//! [`MorphSurfaceAnchor`] keeps an entity on the surface: a hat, a decal. With `MorphPickingPlugin` (feature `picking`), pointers
-//! hit meshes as they are drawn. [`MorphBoundsPlugin`] keeps Bevy's `Aabb` around what is drawn, for culling.
+//! [`MorphSurfaceAnchor`](surface::MorphSurfaceAnchor) keeps an entity on the surface: a hat, a decal. With `MorphPickingPlugin` (feature `picking`), pointers
+//! hit meshes as they are drawn. [`MorphBoundsPlugin`](bounds::MorphBoundsPlugin) keeps Bevy's `Aabb` around what is drawn, for culling.
 //!
 //! ## Let physics feel the mesh
 //!
@@ -111,14 +111,14 @@
 //!
 //! ## Wait until everything is ready
 //!
-//! [`MorphColliderReady`], [`MorphColliderFailed`] and [`MorphColliderSceneReady`] are triggered on colliders and scenes.
+//! [`MorphColliderReady`](setup::MorphColliderReady), [`MorphColliderFailed`](setup::MorphColliderFailed) and [`MorphColliderSceneReady`](setup::MorphColliderSceneReady) are triggered on colliders and scenes.
 //! [`MorphTrees::progress`] is for loading screens.
 //!
 //! ## Save time
 //!
 //! Unchanged colliders cost almost nothing: weights, joints and transforms are compared by value, and a pair keeps its answer if
-//! neither of its colliders changed. With a [`tolerance`](MorphCollider::tolerance), small movements do not count as changes.
-//! [`MorphCollisionDiagnostics`] counts the work of each run; `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`) publishes
+//! neither of its colliders changed. With a [`tolerance`](components::MorphCollider::tolerance), small movements do not count as changes.
+//! [`MorphCollisionDiagnostics`](state::MorphCollisionDiagnostics) counts the work of each run; `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`) publishes
 //! the counts in Bevy's `DiagnosticsStore`.
 //!
 //! ## Find out why nothing happens
@@ -139,32 +139,40 @@
 //! # What works with which mesh
 //!
 //! Everything works with rigid meshes, with morph targets, with joints, and with both. Two differences: a hit on a mesh with joints
-//! names the joint, and [`MorphBoundsPlugin`] leaves the `Aabb` of rigid meshes to Bevy.
+//! names the joint, and [`MorphBoundsPlugin`](bounds::MorphBoundsPlugin) leaves the `Aabb` of rigid meshes to Bevy.
 //!
 //! A mesh has joints if it has `Mesh::ATTRIBUTE_JOINT_INDEX` and `Mesh::ATTRIBUTE_JOINT_WEIGHT` and its entity has
 //! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). The propagated `GlobalTransform`s of its joints and the inverse bind poses
-//! place it; see [`MorphCollider`] for missing or bad joints. All joints count, while on platforms without storage buffers (WebGL
+//! place it; see [`MorphCollider`](components::MorphCollider) for missing or bad joints. All joints count, while on platforms without storage buffers (WebGL
 //! 2) Bevy draws only the first 256 joints of a skeleton correctly.
 //!
 //! # The pipeline
 //!
-//! [`MorphPlugins`] adds all plugins at once. Trees are always built in [`PostUpdate`](bevy::prelude::PostUpdate). Everything else
-//! runs there by default, too; [`MorphCollisionPlugin::new`] picks another schedule. The stages, in the order of
-//! [`MorphCollisionSystems`], with the source files of each:
+//! [`MorphPlugins`](plugins::MorphPlugins) adds all plugins at once. Trees are always built in [`PostUpdate`](bevy::prelude::PostUpdate).
+//! Everything else runs there by default, too; `MorphPlugins.in_schedule(..)` picks another schedule. The stages, in the order of
+//! [`MorphCollisionSystems`](app::MorphCollisionSystems), with their folders:
 //!
-//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`, `readiness`, `scene_outcomes`, `misuse`): turns the parts of a
-//!    [`MorphColliderScene`] into colliders of a body, and meshes into trees. Reports what is ready, what failed, and likely mistakes.
-//!    Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on by default).
-//! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`, `tolerance`): remembers each collider's previous state, then sets
-//!    its pose to the current weights and joint matrices.
-//! 3. **Broad phase** (`broad_phase`, `continuous`): finds pairs of colliders whose world-space boxes overlap and that
-//!    [`MorphCollisionLayers`] and [`MorphCollisionMode`]s allow.
-//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `impact`, `body_pairs`, `self_collisions`): finds exact triangle pairs and
-//!    contacts and stores them in [`MorphCollisions`], by collider and by body. Finds where meshes intersect themselves.
-//! 5. **Events** (`events`, `body_events`, `changes`, `self_collisions`): reports which contacts of colliders and bodies started or ended since the
-//!    last run, and updates [`MorphCollidingEntities`].
-//! 6. **Anchors** (`anchors`): moves entities with a [`MorphSurfaceAnchor`] to where their triangle is drawn; always in
-//!    [`PostUpdate`](bevy::prelude::PostUpdate).
+//! 1. **Import** ([`setup`], [`import`]): turns the parts of a [`MorphColliderScene`](components::MorphColliderScene) into colliders of a
+//!    body, and meshes into trees. Reports what is ready and what failed; `misuse` reports likely mistakes. Earlier, while Bevy loads a
+//!    glTF file, meshes without normals are repaired (feature `gltf`, on by default).
+//! 2. **Weights** (`posing`): remembers each collider's previous state, then sets its pose to the current weights and joint matrices.
+//! 3. **Broad phase** (`broad_phase`): finds pairs of colliders whose world-space boxes overlap and that
+//!    [`MorphCollisionLayers`](components::MorphCollisionLayers) and [`MorphCollisionMode`](components::MorphCollisionMode)s allow.
+//! 4. **Narrow phase** ([`narrow_phase`], [`self_collisions`]): finds exact triangle pairs and contacts and stores them in
+//!    [`MorphCollisions`](contacts::MorphCollisions), by collider and by body. Finds where meshes intersect themselves.
+//! 5. **Events** ([`events`]): reports which contacts of colliders and bodies started or ended since the last run, and updates
+//!    [`MorphCollidingEntities`](events::MorphCollidingEntities).
+//! 6. **Anchors** ([`surface`]): moves entities with a [`MorphSurfaceAnchor`](surface::MorphSurfaceAnchor) to where their triangle is
+//!    drawn; always in [`PostUpdate`](bevy::prelude::PostUpdate).
+//!
+//! # Order of the folders
+//!
+//! A folder uses only those to its right:
+//!
+//! ```text
+//! plugins > misuse > rapier, avian > physics > bounds, surface > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
+//!     > state > import, contacts > components, app
+//! ```
 #![forbid(unsafe_code)]
 // docs.rs shows which feature enables which item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -218,9 +226,9 @@ pub mod prelude {
     pub use crate::components::{
         MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
         MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionMode, MorphCollisionSettings, MorphShape,
-        MorphTeleported,
+        MorphTeleported, MorphTreeOptions,
     };
-    pub use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact};
+    pub use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint, MorphImpact, MorphImpactFeatures};
     #[cfg(feature = "diagnostics")]
     pub use crate::debug::MorphCollisionDiagnosticsPlugin;
     #[cfg(feature = "gizmos")]
@@ -228,7 +236,7 @@ pub mod prelude {
     pub use crate::events::{
         MorphBodyCollisionEnd, MorphBodyCollisionStart, MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart,
     };
-    pub use crate::import::{DefaultMorphTreeSettings, MorphTreeSettings, MorphTrees};
+    pub use crate::import::MorphTrees;
     pub use crate::plugins::{MorphCollisionPlugin, MorphPlugins};
     pub use crate::self_collisions::{
         MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,

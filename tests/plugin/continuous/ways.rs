@@ -377,6 +377,6 @@ fn what_was_not_compared_before_may_touch_at_the_start() {
     let impact = starts[0].impact.unwrap();
     assert_eq!(
         (impact.earliest, impact.latest, impact.features),
-        (0.0, 0.0, MorphFeatures::AtStart)
+        (0.0, 0.0, MorphImpactFeatures::AtStart)
     );
 }

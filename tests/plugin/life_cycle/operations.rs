@@ -332,8 +332,8 @@ fn set_layers(zoo: &mut Zoo) {
 }
 
 fn some_mode(zoo: &mut Zoo) -> MorphCollisionMode {
-    use MorphCollisionMode::{All, Any, Contacts, First, Passive};
-    zoo.one_of(&[Passive, Any, First, All, All, All, Contacts, Contacts])
+    use MorphCollisionMode::{All, Contacts, First, Passive};
+    zoo.one_of(&[Passive, First, First, All, All, All, Contacts, Contacts])
 }
 
 fn set_mode(zoo: &mut Zoo) {
@@ -398,10 +398,10 @@ fn toggle_tree_settings(zoo: &mut Zoo) {
     all_weigh_well(zoo);
     let Some(animal) = animal(zoo) else { return };
     let leaf_size = zoo.one_of(&[1, 4]);
-    let settings = MorphTreeSettings { leaf_size };
+    let settings = MorphTreeOptions { leaf_size };
     let mut entity = zoo.app.world_mut().entity_mut(animal);
-    if entity.contains::<MorphTreeSettings>() {
-        entity.remove::<MorphTreeSettings>();
+    if entity.contains::<MorphTreeOptions>() {
+        entity.remove::<MorphTreeOptions>();
     } else {
         entity.insert(settings);
     }

@@ -247,7 +247,7 @@ impl Truth {
                         "{context}: {a} and {b}"
                     );
                 }
-                MorphCollisionMode::Any | MorphCollisionMode::Passive => {
+                MorphCollisionMode::Passive => {
                     assert!(found.is_empty(), "{context}: {a} and {b}");
                 }
             }

@@ -94,7 +94,7 @@ impl Zoo {
     /// Whether any animal uses a tree that no permanent entity keeps.
     pub(super) fn has_trees_of_its_own(&mut self) -> bool {
         let world = self.app.world_mut();
-        let mut settings = world.query_filtered::<(), (With<MorphTreeSettings>, Allow<Disabled>)>();
+        let mut settings = world.query_filtered::<(), (With<MorphTreeOptions>, Allow<Disabled>)>();
         settings.iter(world).next().is_some()
     }
 

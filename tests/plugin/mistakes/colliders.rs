@@ -57,7 +57,7 @@ fn what_the_component_for_scenes_decides_is_set_there() {
     let on_parts = ["put it on a part", "`MorphColliders`"];
     says(&on_root((scene(), MorphColliderDisabled)), &on_parts);
     says(&on_root((scene(), MorphSelfCollisions::default())), &on_parts);
-    says(&on_root((scene(), MorphTreeSettings::default())), &on_parts);
+    says(&on_root((scene(), MorphTreeOptions::default())), &on_parts);
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn what_only_a_collider_uses_is_told_without_one() {
     );
     says(
         &told(|crate_| {
-            crate_.insert(MorphTreeSettings::default());
+            crate_.insert(MorphTreeOptions::default());
         }),
         &without,
     );
@@ -218,7 +218,7 @@ fn what_a_shape_does_not_use_is_told() {
     );
     says(
         &told(|ball| {
-            ball.insert(MorphTreeSettings::default());
+            ball.insert(MorphTreeOptions::default());
         }),
         &shape,
     );
@@ -244,7 +244,7 @@ fn components_where_they_belong_are_not_told() {
         let body = app.world_mut().spawn(MorphCollidingEntities::default()).id();
         app.world_mut().entity_mut(collider).insert((
             MorphSelfCollisions::default(),
-            MorphTreeSettings { leaf_size: 3 },
+            MorphTreeOptions { leaf_size: 3 },
             MorphCollisionEventsEnabled,
             MorphCollidingEntities::default(),
             MorphColliderOf { body },

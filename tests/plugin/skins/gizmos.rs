@@ -2,8 +2,6 @@
 
 use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
-use bevy_morph_collision::import::DefaultMorphTreeSettings;
-use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
@@ -17,9 +15,10 @@ fn app_with_a_cube() -> (App, Entity, Entity) {
     let mut app = headless(&assets());
     app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
     // One triangle per leaf.
-    app.insert_resource(DefaultMorphTreeSettings(
-        BuildOptions::default().with_leaf_size(1).unwrap(),
-    ));
+    app.insert_resource(MorphCollisionSettings {
+        tree_options: MorphTreeOptions { leaf_size: 1 },
+        ..default()
+    });
     start(&mut app);
     let mesh = add(&mut app, boned(&stretching_cube(), |_| 0));
     let [joint] = spawn_joints(&mut app, [Vec3::ZERO]);

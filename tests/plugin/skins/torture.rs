@@ -214,7 +214,12 @@ impl Life {
         let mut known = Vec::new();
         for limb in self.limbs.clone() {
             if !self.is_enabled(limb) {
-                let touched = self.app.world().resource::<MorphCollisions>().of(limb).next();
+                let touched = self
+                    .app
+                    .world()
+                    .resource::<MorphCollisions>()
+                    .collisions_with(limb)
+                    .next();
                 assert!(touched.is_none(), "{context}: {limb} is disabled");
                 continue;
             }

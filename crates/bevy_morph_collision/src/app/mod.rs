@@ -1,16 +1,18 @@
 //! The app around the plugin.
 //!
-//! - `systems`: the system sets. `schedules`: which schedules are fixed.
+//! - `systems`: the system sets. `state_of`: gives the plugin's state to entities. `schedules`: which schedules are fixed.
 //! - `missing`, `suspects`: what is logged about missing plugins and likely mistakes. `names`: what messages call entities and assets.
 
 mod missing;
 mod names;
 mod schedules;
+mod state_of;
 mod suspects;
 mod systems;
 
 pub(crate) use missing::{InGroup, missing};
 pub(crate) use names::Names;
 pub(crate) use schedules::is_fixed;
+pub(crate) use state_of::require_state;
 pub(crate) use suspects::{PATIENCE, Suspects, WarnOnce};
 pub use systems::MorphCollisionSystems;

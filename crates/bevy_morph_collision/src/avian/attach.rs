@@ -14,8 +14,8 @@ use morph_collision::{MorphBvh, Pose};
 use super::MorphAvianCollider;
 use super::push::Pushing;
 use super::shape::WholeSurface;
-use crate::components::{MorphCollider, MorphShape};
-use crate::import::{MorphTreeSettings, MorphTrees};
+use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
+use crate::import::MorphTrees;
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayouts;
 use crate::physics::teleport::PhysicsSurface;
@@ -46,7 +46,7 @@ impl PhysicsSurface for AvianSurface {
 /// The components that decide whether an entity has a surface, and which.
 type Shows<'w> = (
     Option<&'w Mesh3d>,
-    Option<&'w MorphTreeSettings>,
+    Option<&'w MorphTreeOptions>,
     Option<&'w SkinnedMesh>,
     Option<&'w MeshMorphWeights>,
     Has<MorphShape>,

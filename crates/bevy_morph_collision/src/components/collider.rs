@@ -121,8 +121,6 @@ pub enum MorphCollisionMode {
     /// Reports only what the other collider asks for. Two passive colliders are never compared. Use it for scenery, and for
     /// colliders that only serve spatial queries.
     Passive,
-    /// Only whether they touch. Costs the same as [`MorphCollisionMode::First`].
-    Any,
     /// One pair of intersecting triangles: the first one found.
     First,
     /// Every pair of intersecting triangles.

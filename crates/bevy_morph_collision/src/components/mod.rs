@@ -4,10 +4,10 @@
 //! - `scene`: a scene whose meshes become colliders. `body`: colliders that form one body.
 //! - `layers`: what collides with what. `events_enabled`: which colliders get events.
 //! - `teleported`: an entity that was put somewhere else.
-//! - `settings`: settings for the whole app.
+//! - `settings`: settings for the whole app. `tree_options`: how trees are built.
 //!
-//! Nothing here knows how the plugin works. Three more components are in the folder of the feature that reads them:
-//! [`MorphTreeSettings`](crate::import::MorphTreeSettings), [`MorphSelfCollisions`](crate::self_collisions::MorphSelfCollisions) and
+//! Nothing here knows how the plugin works. Two more components are in the folder of the feature that reads them:
+//! [`MorphSelfCollisions`](crate::self_collisions::MorphSelfCollisions) and
 //! [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor).
 
 mod body;
@@ -18,6 +18,7 @@ mod scene;
 mod settings;
 mod shape;
 mod teleported;
+mod tree_options;
 
 use bevy::prelude::*;
 
@@ -32,6 +33,7 @@ pub(crate) use settings::is_running;
 pub use shape::MorphShape;
 pub use teleported::MorphTeleported;
 pub(crate) use teleported::with_descendants;
+pub use tree_options::MorphTreeOptions;
 
 /// Registers the types for reflection.
 pub(crate) fn register(app: &mut App) {
@@ -47,5 +49,6 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<MorphCollisionEventsEnabled>()
         .register_type::<MorphTeleported>()
         .register_type::<MorphCollisionSettings>()
+        .register_type::<MorphTreeOptions>()
         .init_resource::<MorphCollisionSettings>();
 }

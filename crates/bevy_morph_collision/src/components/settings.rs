@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::collider::MorphCollider;
+use super::tree_options::MorphTreeOptions;
 
 /// Settings for the whole app. You can change them at any time.
 ///
@@ -54,6 +55,8 @@ pub struct MorphCollisionSettings {
     ///
     /// When you change this value, the meshes with bad triangles are read again.
     pub skip_bad_triangles: bool,
+    /// How the trees of all meshes are built, except those of colliders with their own [`MorphTreeOptions`].
+    pub tree_options: MorphTreeOptions,
 }
 
 impl Default for MorphCollisionSettings {
@@ -63,6 +66,7 @@ impl Default for MorphCollisionSettings {
             every_deforming_mesh: None,
             max_triangle_pairs: 8192,
             skip_bad_triangles: false,
+            tree_options: MorphTreeOptions::default(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The contacts of the last run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bevy::prelude::*;
 
@@ -11,7 +11,7 @@ use super::contact::MorphContact;
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 ///
 /// Use it as a system parameter: `Res<MorphCollisions>`. It answers questions about colliders ([`contains`](Self::contains),
-/// [`get`](Self::get), [`of`](Self::of)) and about bodies ([`contains_bodies`](Self::contains_bodies),
+/// [`get`](Self::get), [`collisions_with`](Self::collisions_with)) and about bodies ([`contains_bodies`](Self::contains_bodies),
 /// [`collisions_between_bodies`](Self::collisions_between_bodies), [`bodies_colliding_with`](Self::bodies_colliding_with)).
 ///
 /// ```
@@ -22,7 +22,7 @@ use super::contact::MorphContact;
 ///
 /// fn count(collisions: Res<MorphCollisions>, walls: Query<Entity, With<Wall>>) {
 ///     for wall in &walls {
-///         let triangles: usize = collisions.of(wall).map(|contact| contact.triangles.len()).sum();
+///         let triangles: usize = collisions.collisions_with(wall).map(|contact| contact.triangles.len()).sum();
 ///         println!("{triangles} pairs of triangles touch the wall");
 ///     }
 /// }
@@ -47,7 +47,10 @@ use super::contact::MorphContact;
 #[reflect(Resource, Debug, Default)]
 pub struct MorphCollisions {
     #[reflect(ignore)]
-    pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
+    pub(super) current: BTreeMap<(Entity, Entity), MorphContact>,
+    /// The pairs of the contacts in descending order: who is the second collider of which contacts.
+    #[reflect(ignore)]
+    descending: BTreeSet<(Entity, Entity)>,
     /// The same contacts, grouped by bodies.
     #[reflect(ignore)]
     pub(crate) bodies: BodyPairs,
@@ -61,9 +64,19 @@ impl MorphCollisions {
         self.current.values()
     }
 
-    /// The contacts of one collider, in ascending order. Iterates over all contacts.
-    pub fn of(&self, collider: Entity) -> impl Iterator<Item = &MorphContact> {
-        self.iter().filter(move |contact| contact.other(collider).is_some())
+    /// The contacts of one collider, in ascending order. Takes time for these contacts only.
+    pub fn collisions_with(&self, collider: Entity) -> impl Iterator<Item = &MorphContact> {
+        let from = (collider, Entity::from_bits(0));
+        let lower = self
+            .descending
+            .range(from..)
+            .take_while(move |(second, _)| *second == collider);
+        let lower = lower.filter_map(|&(second, first)| self.current.get(&(first, second)));
+        let higher = self
+            .current
+            .range(from..)
+            .take_while(move |((first, _), _)| *first == collider);
+        lower.chain(higher.map(|(_, contact)| contact))
     }
 
     /// Whether two colliders touch, in either order.
@@ -120,5 +133,45 @@ impl MorphCollisions {
         let passed = self.changes.passed_in_run();
         let place = || passed.binary_search_by_key(&pair, MorphContact::pair).ok();
         self.current.get(&pair).or_else(|| passed.get(place()?))
+    }
+
+    /// Begins a run, in which nothing has started or ended yet.
+    pub(crate) fn begin_run(&mut self) {
+        self.changes.begin_run();
+    }
+
+    /// Ends the contacts of pairs that may not touch any more.
+    pub(crate) fn end_unless(&mut self, may_touch: impl Fn((Entity, Entity)) -> bool) {
+        for (pair, contact) in self.current.extract_if(.., |pair, _| !may_touch(*pair)) {
+            self.descending.remove(&(pair.1, pair.0));
+            self.changes.ended.push(contact);
+        }
+    }
+
+    /// Two colliders touch: starts their contact, or updates it. How it began stays the same.
+    pub(crate) fn touch(&mut self, contact: MorphContact) {
+        let pair = contact.pair();
+        if let Some(before) = self.current.get_mut(&pair) {
+            let impact = before.impact;
+            *before = MorphContact { impact, ..contact };
+        } else {
+            self.current.insert(pair, contact);
+            self.descending.insert((pair.1, pair.0));
+            self.changes.started.push(pair);
+        }
+    }
+
+    /// Two colliders do not touch: ends their contact if there is one.
+    pub(crate) fn part(&mut self, pair: (Entity, Entity)) {
+        if let Some(contact) = self.current.remove(&pair) {
+            self.descending.remove(&(pair.1, pair.0));
+            self.changes.ended.push(contact);
+        }
+    }
+
+    /// Ends a run in which pairs were compared. `passed` are contacts that began and ended within it.
+    pub(crate) fn end_run(&mut self, passed: Vec<MorphContact>) {
+        self.changes.end_run(passed);
+        self.pair_bodies();
     }
 }

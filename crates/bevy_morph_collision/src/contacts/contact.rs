@@ -31,7 +31,7 @@ pub struct MorphContact {
     /// Intersecting triangles: `triangle_a` of `collider1` and `triangle_b` of `collider2`, sorted. For a
     /// [`MorphShape`](crate::components::MorphShape) the number is [`MorphContact::NO_TRIANGLE`].
     ///
-    /// The [`MorphCollisionMode`] decides how many are listed: none in mode `Any`. A triangle's number is its position in the mesh's index buffer
+    /// The [`MorphCollisionMode`] decides how many are listed. A triangle's number is its position in the mesh's index buffer
     /// divided by 3; in a triangle strip, it is its position among the triangles that have three different vertices.
     ///
     /// Not reflected: the list is empty in a value created by reflection.

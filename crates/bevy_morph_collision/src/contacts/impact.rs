@@ -25,7 +25,7 @@ pub struct MorphImpact {
     /// [`Time`], or if no time passed.
     pub velocity: Vec3,
     /// What touched first.
-    pub features: MorphFeatures,
+    pub features: MorphImpactFeatures,
     /// The triangles of these features: `triangle_a` of `collider1`, `triangle_b` of `collider2`. Where several triangles have the
     /// vertex or edge, it is one of them.
     ///
@@ -40,7 +40,7 @@ pub struct MorphImpact {
 /// The features of two meshes that touch first.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Debug, Clone, PartialEq, Hash)]
-pub enum MorphFeatures {
+pub enum MorphImpactFeatures {
     /// A vertex of `collider1` and a triangle of `collider2`.
     VertexFace,
     /// A triangle of `collider1` and a vertex of `collider2`.
@@ -64,8 +64,8 @@ impl MorphImpact {
             normal: -self.normal,
             velocity: -self.velocity,
             features: match self.features {
-                MorphFeatures::VertexFace => MorphFeatures::FaceVertex,
-                MorphFeatures::FaceVertex => MorphFeatures::VertexFace,
+                MorphImpactFeatures::VertexFace => MorphImpactFeatures::FaceVertex,
+                MorphImpactFeatures::FaceVertex => MorphImpactFeatures::VertexFace,
                 other => other,
             },
             triangles: TrianglePair {

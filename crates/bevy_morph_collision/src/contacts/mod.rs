@@ -17,7 +17,7 @@ use bevy::prelude::*;
 pub use collisions::MorphCollisions;
 pub(crate) use contact::pair_with_shape;
 pub use contact::{MorphContact, MorphContactPoint};
-pub use impact::{MorphFeatures, MorphImpact};
+pub use impact::{MorphImpact, MorphImpactFeatures};
 pub(crate) use no_triangles::no_triangles;
 
 /// Adds the contacts, and registers the types for reflection.
@@ -27,5 +27,5 @@ pub(crate) fn add(app: &mut App) {
         .register_type::<MorphContact>()
         .register_type::<MorphContactPoint>()
         .register_type::<MorphImpact>()
-        .register_type::<MorphFeatures>();
+        .register_type::<MorphImpactFeatures>();
 }

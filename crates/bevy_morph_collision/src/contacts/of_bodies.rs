@@ -19,10 +19,13 @@ impl MorphCollisions {
         colliders.filter_map(|colliders| self.current.get(colliders))
     }
 
-    /// The contacts of all colliders of a body, by the other body in ascending order, then by colliders. Takes time for these contacts only.
+    /// The contacts of all colliders of a body, in ascending order of the colliders. Takes time for these contacts only.
     pub fn collisions_with_body(&self, body: Entity) -> impl Iterator<Item = &MorphContact> {
         let others = self.bodies_colliding_with(body);
-        others.flat_map(move |other| self.collisions_between_bodies(body, other))
+        let contacts = others.flat_map(move |other| self.collisions_between_bodies(body, other));
+        let mut contacts: Vec<&MorphContact> = contacts.collect();
+        contacts.sort_unstable_by_key(|contact| contact.pair());
+        contacts.into_iter()
     }
 
     /// The bodies that touch a body, each once, in ascending order. Takes time for these bodies only.
@@ -31,7 +34,7 @@ impl MorphCollisions {
     }
 
     /// Groups the contacts by bodies.
-    pub(crate) fn pair_bodies(&mut self) {
+    pub(super) fn pair_bodies(&mut self) {
         let passed = self.changes.passed_in_run();
         self.bodies.replace(self.current.values(), passed);
     }

@@ -37,6 +37,6 @@ fn show_frame(mut collisions: ResMut<MorphCollisions>) {
 
 /// While the plugin is paused, nothing starts or ends, and motion does not count.
 pub(crate) fn begin_empty_run(mut collisions: ResMut<MorphCollisions>, mut runs: ResMut<Runs>) {
-    collisions.bypass_change_detection().changes.begin_run();
+    collisions.bypass_change_detection().begin_run();
     runs.interrupt();
 }

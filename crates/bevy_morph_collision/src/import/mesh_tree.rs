@@ -13,6 +13,7 @@ use super::left_out::MorphLeftOut;
 use super::mesh_data::{Imported, MeshData};
 use super::tree_key::TreeKey;
 use super::turns::Turns;
+use crate::components::MorphTreeOptions;
 
 /// Called in the background with each new tree, before it is handed out.
 pub(super) type OnBuilt = Arc<dyn Fn(&Arc<MorphBvh>) + Send + Sync>;
@@ -24,6 +25,10 @@ pub(super) struct Background {
     pub(super) on_built: Vec<OnBuilt>,
     /// Whether meshes are read without their bad triangles.
     pub(super) skip_bad: bool,
+    /// How trees are built for colliders without options of their own: the last valid ones of the app.
+    pub(super) options: BuildOptions,
+    /// What the app's settings say, valid or not.
+    pub(super) wanted: MorphTreeOptions,
 }
 
 /// The tree of one mesh, and its state.
@@ -63,6 +68,20 @@ pub(super) enum Source {
 
 /// A new tree, and the mesh that was read for it.
 pub(super) type Finished = (Arc<MorphBvh>, Imported);
+
+impl Background {
+    /// Takes over the app's options. Invalid ones are logged once, and the last valid ones stay in use.
+    pub(super) fn set_options(&mut self, wanted: MorphTreeOptions) {
+        if std::mem::replace(&mut self.wanted, wanted) != wanted {
+            match wanted.build_options() {
+                Ok(options) => self.options = options,
+                Err(error) => {
+                    error!("`MorphCollisionSettings::tree_options`: {error}; the last good ones stay in force");
+                }
+            }
+        }
+    }
+}
 
 impl MeshTree {
     /// Whether a new tree is in progress.
@@ -111,7 +130,6 @@ impl MeshTree {
         key: &TreeKey,
         mesh: &Mesh,
         left: &mut usize,
-        options: &BuildOptions,
         background: &Background,
         complaints: &Complaints,
     ) {
@@ -123,7 +141,7 @@ impl MeshTree {
             Ok(false) => {}
             Ok(true) => {
                 if let Work::Reading(data) = std::mem::replace(&mut self.work, Work::None) {
-                    self.build(key, options, background, Source::Copy(data));
+                    self.build(key, background, Source::Copy(data));
                 }
             }
             Err(error) => {
@@ -134,14 +152,16 @@ impl MeshTree {
     }
 
     /// Builds a tree in the background.
-    pub(super) fn build(&mut self, key: &TreeKey, options: &BuildOptions, background: &Background, source: Source) {
+    pub(super) fn build(&mut self, key: &TreeKey, background: &Background, source: Source) {
         self.is_same_mesh = matches!(source, Source::Read(_));
-        let options = key.settings.map_or(Ok(*options), |settings| settings.over(*options));
         let Background {
             turns,
             on_built,
             skip_bad,
+            options,
+            ..
         } = background.clone();
+        let options = key.options.map_or(Ok(options), |own| own.build_options());
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {
             let options = options?;
@@ -164,16 +184,16 @@ impl MeshTree {
         }));
     }
 
-    /// Rebuilds the tree if the app's settings have changed since. If the mesh is invalid now, its last valid tree stays as it
+    /// Rebuilds the tree if the app's options have changed since. If the mesh is invalid now, its last valid tree stays as it
     /// is.
-    pub(super) fn follow_settings(&mut self, key: &TreeKey, options: &BuildOptions, background: &Background) {
-        if key.settings.is_none()
+    pub(super) fn apply_options(&mut self, key: &TreeKey, background: &Background) {
+        if key.options.is_none()
             && !self.is_coming()
             && self.error.is_none()
-            && let Some(tree) = self.tree.as_ref().filter(|tree| tree.options() != options)
+            && let Some(tree) = self.tree.as_ref().filter(|tree| *tree.options() != background.options)
         {
             let source = Source::Read(self.read(tree));
-            self.build(key, options, background, source);
+            self.build(key, background, source);
         }
     }
 

@@ -15,7 +15,6 @@ mod mesh_tree;
 mod progress;
 mod skin_data;
 mod tree_key;
-mod tree_settings;
 mod trees;
 mod triangles;
 mod turns;
@@ -30,6 +29,5 @@ pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures}
 pub use progress::MorphTreeProgress;
 pub(crate) use skin_data::influences_of;
 pub(crate) use tree_key::TreeKey;
-pub use tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
 pub use trees::MorphTrees;
 pub(crate) use trees::{finish_trees, follow_asset_events, start_trees};

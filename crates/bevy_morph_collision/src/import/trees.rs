@@ -14,13 +14,12 @@ use super::error::ImportError;
 use super::left_out::MorphLeftOut;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
-use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
-use crate::components::MorphCollisionSettings;
+use crate::components::{MorphCollisionSettings, MorphTreeOptions};
 
 /// The collision trees of all meshes that a collider has requested.
 ///
 /// A tree is built when the first collider with a loaded mesh requests it, and again when the mesh is modified. If a modified
-/// mesh cannot be used, the tree of its last valid state stays in use. A mesh has one tree per distinct [`MorphTreeSettings`] in
+/// mesh cannot be used, the tree of its last valid state stays in use. A mesh has one tree per distinct [`MorphTreeOptions`] in
 /// use, and per number of joints of the [`SkinnedMesh`] with which it is shown. An unused tree is dropped as soon as something
 /// uses another tree of the same mesh. The last trees of a mesh are kept for later spawns until the mesh asset is removed.
 ///
@@ -65,18 +64,18 @@ pub struct MorphTrees {
 const COPIED_PER_FRAME: usize = 1 << 17;
 
 impl MorphTrees {
-    /// The tree of a mesh for entities without [`MorphTreeSettings`] and without [`SkinnedMesh`], if it is ready.
+    /// The tree of a mesh for entities without [`MorphTreeOptions`] and without [`SkinnedMesh`], if it is ready.
     #[must_use]
     pub fn get(&self, mesh: AssetId<Mesh>) -> Option<&Arc<MorphBvh>> {
-        self.with_settings(mesh, None)
+        self.with_options(mesh, None)
     }
 
-    /// The tree of a mesh for entities with these settings and without [`SkinnedMesh`], if it is ready. While it is being built
-    /// for the first time, a tree of the same mesh with other settings, if there is one.
+    /// The tree of a mesh for entities with these options and without [`SkinnedMesh`], if it is ready. While it is being built
+    /// for the first time, a tree of the same mesh with other options, if there is one.
     #[must_use]
-    pub fn with_settings(&self, mesh: AssetId<Mesh>, settings: Option<MorphTreeSettings>) -> Option<&Arc<MorphBvh>> {
+    pub fn with_options(&self, mesh: AssetId<Mesh>, options: Option<MorphTreeOptions>) -> Option<&Arc<MorphBvh>> {
         let joints = None;
-        self.tree(TreeKey { mesh, settings, joints })
+        self.tree(TreeKey { mesh, options, joints })
     }
 
     /// The tree of a mesh for entities with these components, if it is ready.
@@ -86,10 +85,10 @@ impl MorphTrees {
     pub fn shown_with(
         &self,
         mesh: &Mesh3d,
-        settings: Option<&MorphTreeSettings>,
+        options: Option<&MorphTreeOptions>,
         skin: Option<&SkinnedMesh>,
     ) -> Option<&Arc<MorphBvh>> {
-        self.tree(TreeKey::of(mesh, settings, skin))
+        self.tree(TreeKey::of(mesh, options, skin))
     }
 
     /// The tree with a key, if it is ready.
@@ -113,7 +112,7 @@ impl MorphTrees {
         entries.find_map(|(_, entry)| entry.left_out.as_ref())
     }
 
-    /// The trees that are ready, in no particular order. A mesh may have several: with different settings, with and without
+    /// The trees that are ready, in no particular order. A mesh may have several: with different options, with and without
     /// joints.
     pub fn iter(&self) -> impl Iterator<Item = (AssetId<Mesh>, &Arc<MorphBvh>)> {
         let own = self.of_mesh.iter().filter(|(_, entry)| !entry.is_lent);
@@ -212,13 +211,17 @@ impl std::fmt::Debug for MorphTrees {
 pub(crate) fn follow_asset_events(
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut trees: ResMut<MorphTrees>,
-    options: Res<DefaultMorphTreeSettings>,
     meshes: Res<Assets<Mesh>>,
     settings: Option<Res<MorphCollisionSettings>>,
     time: Option<Res<Time<Real>>>,
     complaints: Complaints,
 ) {
-    let skip_bad = settings.is_some_and(|settings| settings.skip_bad_triangles);
+    let settings = settings.map(|settings| *settings).unwrap_or_default();
+    let skip_bad = settings.skip_bad_triangles;
+    trees
+        .bypass_change_detection()
+        .background
+        .set_options(settings.tree_options);
     if trees.background.skip_bad != skip_bad {
         trees.background.skip_bad = skip_bad;
         for (key, entry) in &mut trees.of_mesh {
@@ -250,11 +253,11 @@ pub(crate) fn follow_asset_events(
                         Work::Reading(_) => {
                             let mut all = usize::MAX;
                             entry.start(key, mesh, &complaints);
-                            entry.read_on(key, mesh, &mut all, &options.0, background, &complaints);
+                            entry.read_on(key, mesh, &mut all, background, &complaints);
                         }
                         Work::None => {
                             entry.start(key, mesh, &complaints);
-                            entry.read_on(key, mesh, left, &options.0, background, &complaints);
+                            entry.read_on(key, mesh, left, background, &complaints);
                         }
                     }
                 }
@@ -275,12 +278,7 @@ pub(crate) fn follow_asset_events(
 }
 
 /// Reads requested meshes as soon as they are loaded, and starts building their trees.
-pub(crate) fn start_trees(
-    mut trees: ResMut<MorphTrees>,
-    options: Res<DefaultMorphTreeSettings>,
-    meshes: Res<Assets<Mesh>>,
-    complaints: Complaints,
-) {
+pub(crate) fn start_trees(mut trees: ResMut<MorphTrees>, meshes: Res<Assets<Mesh>>, complaints: Complaints) {
     let MorphTrees {
         of_mesh,
         waiting,
@@ -305,7 +303,7 @@ pub(crate) fn start_trees(
             (entry.tree, entry.is_lent) = (Some(tree.clone()), true);
             (entry.corners, entry.left_out) = (imported.corners.clone(), imported.left_out.clone());
             *version += 1;
-            entry.build(&key, &options.0, background, Source::Read(imported));
+            entry.build(&key, background, Source::Read(imported));
         } else {
             entry.start(&key, mesh, &complaints);
         }
@@ -313,20 +311,15 @@ pub(crate) fn start_trees(
         false
     });
     for (key, entry) in of_mesh {
-        entry.follow_settings(key, &options.0, background);
+        entry.apply_options(key, background);
         if let Some(mesh) = meshes.get(key.mesh) {
-            entry.read_on(key, mesh, left, &options.0, background, &complaints);
+            entry.read_on(key, mesh, left, background, &complaints);
         }
     }
 }
 
 /// Replaces old trees by finished ones.
-pub(crate) fn finish_trees(
-    mut trees: ResMut<MorphTrees>,
-    options: Res<DefaultMorphTreeSettings>,
-    meshes: Res<Assets<Mesh>>,
-    complaints: Complaints,
-) {
+pub(crate) fn finish_trees(mut trees: ResMut<MorphTrees>, meshes: Res<Assets<Mesh>>, complaints: Complaints) {
     let MorphTrees {
         of_mesh,
         version,
@@ -362,7 +355,7 @@ pub(crate) fn finish_trees(
             && let Some(mesh) = meshes.get(key.mesh)
         {
             entry.start(key, mesh, &complaints);
-            entry.read_on(key, mesh, left, &options.0, background, &complaints);
+            entry.read_on(key, mesh, left, background, &complaints);
         }
     }
 }

@@ -76,8 +76,8 @@ fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
             "remove the shape, or put it on another entity",
         ),
         (
-            subject.tree_settings,
-            "MorphTreeSettings",
+            subject.tree_options,
+            "MorphTreeOptions",
             "remove the shape, or put it on another entity",
         ),
         (
@@ -113,7 +113,7 @@ fn without_collider(subject: &SubjectItem, around: &Around, is_new: bool, log: &
         ),
         (subject.disabled, "MorphColliderDisabled", on_a_part),
         (subject.self_collisions, "MorphSelfCollisions", on_a_part),
-        (subject.tree_settings, "MorphTreeSettings", on_a_part),
+        (subject.tree_options, "MorphTreeOptions", on_a_part),
         (subject.part_of, "MorphColliderOf", on_a_part),
     ];
     let has_own_scene = subject.scene.is_some() && !subject.mesh;

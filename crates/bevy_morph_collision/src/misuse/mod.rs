@@ -13,6 +13,8 @@
 //! - `physics`: components of physics engines that the app does not have.
 //! - `meshes`: meshes that never come, or whose joint weights are odd.
 
+use crate::components::MorphTreeOptions;
+
 mod anchors;
 mod bodies;
 mod colliders;
@@ -31,7 +33,7 @@ use crate::components::{
     MorphCollisionLayers, MorphTeleported,
 };
 use crate::events::MorphCollidingEntities;
-use crate::import::{self, MorphTreeSettings};
+use crate::import::{self};
 use crate::self_collisions::MorphSelfCollisions;
 use crate::setup::report_outcomes;
 use crate::surface::MorphSurfaceAnchor;
@@ -40,7 +42,7 @@ use crate::surface::MorphSurfaceAnchor;
 type Watched = (
     MorphCollider,
     MorphSelfCollisions,
-    MorphTreeSettings,
+    MorphTreeOptions,
     MorphColliderDisabled,
     MorphCollisionLayers,
     MorphCollisionEventsEnabled,

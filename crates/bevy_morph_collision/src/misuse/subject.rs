@@ -8,12 +8,13 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use crate::app::Names;
+use crate::components::MorphTreeOptions;
 use crate::components::{
     MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
     MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionSettings, MorphShape, MorphTeleported,
 };
 use crate::events::MorphCollidingEntities;
-use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
+use crate::import::{MorphTrees, TreeKey};
 use crate::self_collisions::MorphSelfCollisions;
 use crate::setup::{Hierarchy, Shows, SpawnedScenes, key_of};
 use crate::surface::MorphSurfaceAnchor;
@@ -29,7 +30,7 @@ pub(super) struct Subject {
     pub(super) scene: Option<&'static MorphColliderScene>,
     pub(super) anchor: Option<&'static MorphSurfaceAnchor>,
     pub(super) self_collisions: Has<MorphSelfCollisions>,
-    pub(super) tree_settings: Has<MorphTreeSettings>,
+    pub(super) tree_options: Has<MorphTreeOptions>,
     pub(super) disabled: Has<MorphColliderDisabled>,
     pub(super) layers: Has<MorphCollisionLayers>,
     pub(super) events: Has<MorphCollisionEventsEnabled>,

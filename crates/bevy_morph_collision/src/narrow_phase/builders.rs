@@ -189,8 +189,10 @@ mod tests {
         BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, PoseSnapshot, TrianglePair, WorldFromModel,
     };
 
+    use super::super::comparison::Found;
     use super::*;
     use crate::broad_phase::SweptPairs;
+    use crate::components::MorphCollisionMode;
     use crate::state::{Form, LockedPose, Placement};
 
     /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.

@@ -1,7 +1,5 @@
 //! Finds out for every candidate pair whether and where it touches.
 
-use std::collections::BTreeMap;
-
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::Body;
@@ -17,7 +15,7 @@ use super::workers::TaskPoolWorkers;
 
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
-use crate::contacts::{MorphCollisions, MorphContact};
+use crate::contacts::MorphCollisions;
 use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, RunTimes, Runs};
 
 /// Memory that the narrow phase reuses.
@@ -55,17 +53,16 @@ pub(crate) fn find_contacts(
     let start = Instant::now();
     let _span = debug_span!("morph_collision::narrow_phase").entered();
     let collisions = &mut *collisions;
-    collisions.changes.begin_run();
+    collisions.begin_run();
     let scratch = &mut *scratch;
     let limit = settings.list_limit();
     scratch.compare_all = std::mem::replace(&mut scratch.limit, limit) != limit;
     if runs.compare(scratch.compare_all) {
         scratch.answers.clear();
         scratch.builders.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
-        let unchanged = scratch.ask(&candidates, &mut colliders, &collisions.current, &mut diagnostics);
+        let unchanged = scratch.ask(&candidates, &mut colliders, collisions, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
-        collisions.replace(&candidates.pairs, &mut scratch.answers);
-        collisions.pair_bodies();
+        take_over(collisions, &candidates.pairs, &mut scratch.answers);
         for (_, mut state) in &mut colliders {
             let took_part = state.placed.is_some();
             state.freshness.compared(took_part);
@@ -73,40 +70,24 @@ pub(crate) fn find_contacts(
     } else {
         diagnostics.skipped_unchanged = candidates.pairs.len() as u64;
     }
-    let triangles = collisions
-        .current
-        .values()
-        .map(|contact| contact.triangles.len() as u64);
+    let triangles = collisions.iter().map(|contact| contact.triangles.len() as u64);
     diagnostics.triangle_pairs = triangles.sum();
-    diagnostics.touching_pairs = collisions.current.len() as u64;
+    diagnostics.touching_pairs = collisions.len() as u64;
     diagnostics.duration += start.elapsed();
 }
 
-impl MorphCollisions {
-    /// Takes over the answers, in any order, and removes contacts of pairs that are no longer candidates.
-    fn replace(&mut self, candidates: &[Pair], answers: &mut Vec<(Pair, Answer)>) {
-        let Self { current, changes, .. } = self;
-        for contact in current.extract_if(.., |pair, _| candidates.binary_search(pair).is_err()) {
-            changes.ended.push(contact.1);
+/// Takes over the answers, in any order, and ends the contacts of pairs that are no longer candidates.
+fn take_over(collisions: &mut MorphCollisions, candidates: &[Pair], answers: &mut Vec<(Pair, Answer)>) {
+    collisions.end_unless(|pair| candidates.binary_search(&pair).is_ok());
+    let mut passed = Vec::new();
+    for (pair, answer) in answers.drain(..) {
+        match answer {
+            Answer::Touching(contact) => collisions.touch(contact),
+            Answer::Passed(contact) => passed.push(contact),
+            Answer::Apart => collisions.part(pair),
         }
-        let mut passed = Vec::new();
-        for (pair, answer) in answers.drain(..) {
-            match answer {
-                Answer::Touching(contact) => {
-                    if let Some(before) = current.get_mut(&pair) {
-                        let impact = before.impact;
-                        *before = MorphContact { impact, ..contact };
-                    } else {
-                        current.insert(pair, contact);
-                        changes.started.push(pair);
-                    }
-                }
-                Answer::Passed(contact) => passed.push(contact),
-                Answer::Apart => changes.ended.extend(current.remove(&pair)),
-            }
-        }
-        changes.end_run(passed);
     }
+    collisions.end_run(passed);
 }
 
 impl Scratch {
@@ -116,7 +97,7 @@ impl Scratch {
         &mut self,
         candidates: &Candidates,
         colliders: &mut Query<(Entity, &mut ColliderState)>,
-        contacts: &BTreeMap<Pair, MorphContact>,
+        contacts: &MorphCollisions,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> u64 {
         let mut placed: Vec<_> = colliders
@@ -134,7 +115,7 @@ impl Scratch {
                 places,
                 mode: a.placement.mode.max(b.placement.mode),
                 // A contact that lasts cannot begin.
-                is_swept: is_swept && (a.changed || b.changed) && !contacts.contains_key(&pair),
+                is_swept: is_swept && (a.changed || b.changed) && !contacts.contains(pair.0, pair.1),
             })
         };
         let (pairs, swept) = (&candidates.pairs, &candidates.swept);
@@ -185,7 +166,7 @@ impl Scratch {
     fn ask_meshes(
         &mut self,
         placed: &mut [Placed<'_>],
-        contacts: &BTreeMap<Pair, MorphContact>,
+        contacts: &MorphCollisions,
         jobs: &mut Vec<Job>,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) {

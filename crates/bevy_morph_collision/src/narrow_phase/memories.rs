@@ -1,11 +1,9 @@
 //! Remembers where pairs touched in the last run.
 
-use std::collections::BTreeMap;
-
 use morph_collision::PairMemory;
 
 use super::comparison::{Asked, Pair, wants_all};
-use crate::contacts::MorphContact;
+use crate::contacts::MorphCollisions;
 
 /// Memories, sorted by pair.
 pub(super) type Memories = Vec<(Pair, PairMemory)>;
@@ -17,13 +15,12 @@ pub(super) type Memories = Vec<(Pair, PairMemory)>;
 ///
 /// PERF: a memory for every candidate costs 12 % of the instructions in a sparse crowd. A memory only for pairs that touched
 /// costs at most 0.5 %, and saves 3 to 21 % where colliders touch.
-pub(super) fn keep_memories(
-    asked: &[Asked],
-    contacts: &BTreeMap<Pair, MorphContact>,
-    memories: &mut Memories,
-    next: &mut Memories,
-) {
-    let touched = |pair: Pair| contacts.get(&pair).is_some_and(|contact| contact.distance == 0.0);
+pub(super) fn keep_memories(asked: &[Asked], contacts: &MorphCollisions, memories: &mut Memories, next: &mut Memories) {
+    let touched = |pair: Pair| {
+        contacts
+            .get(pair.0, pair.1)
+            .is_some_and(|contact| contact.distance == 0.0)
+    };
     let mut known = memories.drain(..).peekable();
     next.clear();
     for &Asked { pair, mode, .. } in asked {

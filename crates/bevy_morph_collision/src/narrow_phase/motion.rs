@@ -8,8 +8,7 @@ use super::comparison::Asked;
 use super::participant::Placed;
 use super::starts::Starts;
 use super::touch::Touch;
-use crate::components::MorphCollisionMode;
-use crate::contacts::{MorphContact, MorphFeatures, MorphImpact, no_triangles};
+use crate::contacts::{MorphContact, MorphImpact, MorphImpactFeatures, no_triangles};
 
 /// The largest difference between the two ends of a time of impact, relative to the time between two runs.
 const TOLERANCE: f64 = 1e-6;
@@ -80,7 +79,7 @@ impl Touch {
                     point: middle(of_a.0.max(of_b.0), of_a.1.min(of_b.1)),
                     normal: Vec3::ZERO,
                     velocity: Vec3::ZERO,
-                    features: MorphFeatures::Undecided,
+                    features: MorphImpactFeatures::Undecided,
                     triangles: no_triangles(),
                     barycentrics: [Vec3::ZERO; 2],
                 })
@@ -103,18 +102,18 @@ fn impact(contact: &MotionContact, [model_a, model_b]: [&MorphModel; 2], seconds
     let (features, barycentrics) = match contact.features {
         Features::VertexFace { vertex_a, .. } => {
             let of_a = within(model_a, triangle_a, &[vertex_a], weights_a);
-            (MorphFeatures::VertexFace, [of_a, face(weights_b)])
+            (MorphImpactFeatures::VertexFace, [of_a, face(weights_b)])
         }
         Features::FaceVertex { vertex_b, .. } => {
             let of_b = within(model_b, triangle_b, &[vertex_b], weights_b);
-            (MorphFeatures::FaceVertex, [face(weights_a), of_b])
+            (MorphImpactFeatures::FaceVertex, [face(weights_a), of_b])
         }
         Features::EdgeEdge { edge_a, edge_b } => {
             let of_a = within(model_a, triangle_a, &edge_a, weights_a);
             let of_b = within(model_b, triangle_b, &edge_b, weights_b);
-            (MorphFeatures::EdgeEdge, [of_a, of_b])
+            (MorphImpactFeatures::EdgeEdge, [of_a, of_b])
         }
-        Features::AtStart(_) => (MorphFeatures::AtStart, [face(weights_a), face(weights_b)]),
+        Features::AtStart(_) => (MorphImpactFeatures::AtStart, [face(weights_a), face(weights_b)]),
     };
     let velocity = if seconds > 0.0 {
         contact.velocity / seconds
@@ -149,8 +148,8 @@ impl MorphContact {
     /// The contact of a pair that touched only on its way.
     pub(super) fn passed(asked: Asked, placed: &[Placed<'_>], impact: MorphImpact) -> Self {
         let contact = Self::of(asked, [&placed[asked.places.0], &placed[asked.places.1]]);
-        let triangles = match (asked.mode, impact.features) {
-            (MorphCollisionMode::Any, _) | (_, MorphFeatures::Undecided) => Vec::new(),
+        let triangles = match impact.features {
+            MorphImpactFeatures::Undecided => Vec::new(),
             _ => vec![impact.triangles],
         };
         Self {

@@ -98,10 +98,8 @@ impl Touch {
                 contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
             }
         }
-        if contact.mode != MorphCollisionMode::Any {
-            triangles.sort_unstable();
-            contact.triangles = triangles;
-        }
+        triangles.sort_unstable();
+        contact.triangles = triangles;
         Some(contact)
     }
 

@@ -24,7 +24,7 @@ use crate::{
 /// app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphCollisionPlugin));
 /// ```
 ///
-/// To change how trees are built, insert [`DefaultMorphTreeSettings`](crate::import::DefaultMorphTreeSettings) before you add the plugin.
+/// To change how trees are built, set [`tree_options`](crate::components::MorphCollisionSettings::tree_options).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphCollisionPlugin;
 

@@ -3,8 +3,6 @@
 use bevy::prelude::*;
 use morph_collision::TrianglePair;
 
-use super::state::SelfState;
-
 /// Reports where the mesh of a [`MorphCollider`](crate::components::MorphCollider) intersects itself: lips and teeth, a hand in the hip.
 ///
 /// Put it on the entity of a mesh collider of any mode, also a passive one. The plugin updates it in every run and sends [`MorphSelfCollisionStart`] and [`MorphSelfCollisionEnd`].
@@ -33,7 +31,6 @@ use super::state::SelfState;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
-#[require(SelfState)]
 pub struct MorphSelfCollisions {
     /// Whether to report also pairs of triangles that intersect at rest. By default they are left out: eyes lie in their sockets, and
     /// hair reaches into the scalp.

@@ -15,6 +15,8 @@ mod state;
 
 use bevy::prelude::*;
 
+use crate::app::require_state;
+
 pub(crate) use events::report_self_collisions;
 pub use events::{MorphSelfCollisionEnd, MorphSelfCollisionStart};
 pub(crate) use find::find_self_collisions;
@@ -22,6 +24,7 @@ pub use list::{MorphSelfCollisions, MorphSelfContact};
 
 /// Adds the messages, and registers the types for reflection.
 pub(crate) fn add(app: &mut App) {
+    require_state::<MorphSelfCollisions, state::SelfState>(app);
     app.add_message::<MorphSelfCollisionStart>()
         .add_message::<MorphSelfCollisionEnd>()
         .add_observer(events::end_with_component)

@@ -9,14 +9,14 @@ use bevy::prelude::*;
 
 use super::scene_part::ScenePart;
 use super::users::{Shows, key_of};
-use crate::components::{MorphCollider, MorphShape};
-use crate::import::{ImportError, MorphTreeSettings, MorphTrees};
+use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
+use crate::import::{ImportError, MorphTrees};
 use crate::state::{ColliderState, Readiness};
 
 /// The collider's tree is built. It takes part from the next run on.
 ///
 /// Triggered on the collider for its first tree and for each new one: when it shows another mesh, when its mesh was modified, or
-/// when it got other [`MorphTreeSettings`]. Not triggered by changes of weights or joints. A [`MorphShape`] is ready immediately.
+/// when it got other [`MorphTreeOptions`]. Not triggered by changes of weights or joints. A [`MorphShape`] is ready immediately.
 ///
 /// Always triggered in [`PostUpdate`], whatever schedule collision detection runs in, and even while it is
 /// [paused](crate::MorphCollisionSettings::paused).
@@ -91,7 +91,7 @@ type ColliderNews = (
         Added<MorphCollider>,
         Added<MorphShape>,
         Changed<Mesh3d>,
-        Changed<MorphTreeSettings>,
+        Changed<MorphTreeOptions>,
         Changed<SkinnedMesh>,
         Changed<ScenePart>,
     )>,
@@ -105,7 +105,7 @@ pub(crate) struct Removals<'w, 's> {
     colliders: RemovedComponents<'w, 's, MorphCollider>,
     shapes: RemovedComponents<'w, 's, MorphShape>,
     meshes: RemovedComponents<'w, 's, Mesh3d>,
-    settings: RemovedComponents<'w, 's, MorphTreeSettings>,
+    settings: RemovedComponents<'w, 's, MorphTreeOptions>,
     skins: RemovedComponents<'w, 's, SkinnedMesh>,
     parts: RemovedComponents<'w, 's, ScenePart>,
 }

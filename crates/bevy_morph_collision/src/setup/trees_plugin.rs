@@ -9,7 +9,7 @@ use bevy::transform::TransformSystems;
 use super::needs;
 use super::users::drop_unused_trees;
 use crate::app::MorphCollisionSystems;
-use crate::import::{self, DefaultMorphTreeSettings, ImportError, MorphTreeProgress, MorphTreeSettings, MorphTrees};
+use crate::import::{self, ImportError, MorphTreeProgress, MorphTrees};
 
 /// Builds the requested trees.
 pub(crate) struct TreesPlugin;
@@ -19,13 +19,10 @@ impl Plugin for TreesPlugin {
         // Right away, before anything is loaded; or later, if the glTF plugin is added after this one.
         #[cfg(feature = "gltf")]
         import::repair_split_meshes(app);
-        app.init_resource::<DefaultMorphTreeSettings>()
-            .init_resource::<MorphTrees>()
+        app.init_resource::<MorphTrees>()
             .init_resource::<import::LoadFailures>()
             .init_resource::<import::FurtherInfluences>()
             .init_resource::<import::Said>()
-            .register_type::<DefaultMorphTreeSettings>()
-            .register_type::<MorphTreeSettings>()
             .register_type::<MorphTrees>()
             .register_type::<MorphTreeProgress>()
             .register_type::<ImportError>()

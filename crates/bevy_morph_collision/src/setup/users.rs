@@ -9,21 +9,21 @@ use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::components::{MorphCollider, MorphShape};
-use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
+use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
+use crate::import::{MorphTrees, TreeKey};
 use crate::state::{ColliderState, MorphCollisionDiagnostics, Preparation, Runs};
 
 /// The components that determine a collider's tree.
 pub(crate) type Shows = (
     Option<&'static Mesh3d>,
-    Option<&'static MorphTreeSettings>,
+    Option<&'static MorphTreeOptions>,
     Option<&'static SkinnedMesh>,
     Has<MorphShape>,
 );
 
 /// The key of a collider's tree; `None` if it shows no mesh or has a shape.
 pub(crate) fn key_of(
-    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
+    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeOptions>, Option<&SkinnedMesh>, bool),
 ) -> Option<TreeKey> {
     // A shape collides in place of the mesh.
     mesh.filter(|_| !has_shape)
@@ -34,7 +34,7 @@ pub(crate) fn key_of(
 type ShowsAnother = (
     Or<(
         Changed<Mesh3d>,
-        Changed<MorphTreeSettings>,
+        Changed<MorphTreeOptions>,
         Changed<SkinnedMesh>,
         Added<MorphCollider>,
         Added<MorphShape>,
@@ -46,7 +46,7 @@ type ShowsAnother = (
 /// Colliders that may show something different because a component is gone.
 #[derive(SystemParam)]
 pub(crate) struct ShowsLess<'w, 's> {
-    settings: RemovedComponents<'w, 's, MorphTreeSettings>,
+    settings: RemovedComponents<'w, 's, MorphTreeOptions>,
     skins: RemovedComponents<'w, 's, SkinnedMesh>,
     shapes: RemovedComponents<'w, 's, MorphShape>,
 }
@@ -90,7 +90,7 @@ pub(crate) fn request_trees(
 pub(crate) fn drop_unused_trees(
     colliders: Query<Shows, (With<MorphCollider>, Allow<Disabled>)>,
     mut no_colliders: RemovedComponents<MorphCollider>,
-    mut no_settings: RemovedComponents<MorphTreeSettings>,
+    mut no_settings: RemovedComponents<MorphTreeOptions>,
     mut no_meshes: RemovedComponents<Mesh3d>,
     mut no_skins: RemovedComponents<SkinnedMesh>,
     culled: Query<(&Mesh3d, Option<&SkinnedMesh>), (Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>, Allow<Disabled>)>,

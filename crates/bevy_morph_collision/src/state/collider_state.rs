@@ -120,10 +120,3 @@ impl ColliderState {
 pub(crate) fn forget_collider(removed: On<Remove<MorphCollider>>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<ColliderState>();
 }
-
-/// Adds the state to a collider, where Bevy cannot do so because there were colliders before the plugin.
-pub(crate) fn add_state(added: On<Add<MorphCollider>>, mut commands: Commands) {
-    commands
-        .entity(added.entity)
-        .try_insert_if_new(ColliderState::default());
-}

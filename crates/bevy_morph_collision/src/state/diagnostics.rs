@@ -32,7 +32,7 @@ pub struct MorphCollisionDiagnostics {
     /// [continuous](crate::MorphCollider::continuous) and they did not touch then.
     pub swept_pairs: u64,
     /// Swept pairs that took so much work that it was cut short. What is reported about them is on the safe side: they count as touching
-    /// ([`MorphFeatures::Undecided`](crate::contacts::MorphFeatures)), or as touching earlier than they do.
+    /// ([`MorphImpactFeatures::Undecided`](crate::contacts::MorphImpactFeatures)), or as touching earlier than they do.
     pub limited_pairs: u64,
     /// Pairs of colliders that touched.
     pub touching_pairs: u64,

@@ -17,10 +17,9 @@ mod previous;
 mod readiness;
 mod run_times;
 
-use bevy::ecs::entity_disabling::Disabled;
-use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
+use crate::app::require_state;
 use crate::components::MorphCollider;
 
 pub(crate) use bad_weights::BadWeights;
@@ -43,17 +42,5 @@ pub(crate) fn add(app: &mut App) {
         .init_resource::<Runs>()
         .register_type::<MorphCollisionDiagnostics>()
         .add_observer(collider_state::forget_collider);
-    if app
-        .try_register_required_components::<MorphCollider, ColliderState>()
-        .is_err()
-    {
-        // There are colliders already.
-        app.add_observer(collider_state::add_state);
-        let world = app.world_mut();
-        let mut colliders = world.query_filtered::<Entity, (With<MorphCollider>, Allow<Disabled>)>();
-        let colliders: Vec<Entity> = colliders.iter(world).collect();
-        for collider in colliders {
-            world.entity_mut(collider).insert(ColliderState::default());
-        }
-    }
+    require_state::<MorphCollider, ColliderState>(app);
 }

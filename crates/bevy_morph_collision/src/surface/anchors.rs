@@ -8,8 +8,8 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::{Body, Pose, SurfaceAnchor, WorldFromModel};
 
-use crate::components::{MorphCollider, MorphShape};
-use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
+use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
+use crate::import::{MorphTrees, TreeKey};
 use crate::posing::{BindPoses, LentPoses, Skeletons, take_weights};
 use crate::spatial::MorphRayHit;
 use crate::state::{ColliderState, Preparation};
@@ -104,7 +104,7 @@ pub(crate) struct DrawnSurfaces<'w, 's> {
         's,
         (
             &'static Mesh3d,
-            Option<&'static MorphTreeSettings>,
+            Option<&'static MorphTreeOptions>,
             Option<&'static SkinnedMesh>,
             Option<&'static MeshMorphWeights>,
             &'static ColliderState,

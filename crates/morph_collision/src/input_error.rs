@@ -48,6 +48,14 @@ pub enum InputError {
         /// What they are.
         what: String,
     },
+    /// The mesh is skinned, but must not be.
+    #[error("{what} needs a mesh without joints, this one has {joints}")]
+    SkinnedMesh {
+        /// What needs the mesh.
+        what: String,
+        /// The number of its joints.
+        joints: usize,
+    },
     /// A number is NaN or out of range.
     #[error("{what} is {}, it must be {expected}", Short(*value))]
     BadNumber {
@@ -67,6 +75,7 @@ impl InputError {
         | Self::NoDirection { what, .. }
         | Self::BadNumber { what, .. }
         | Self::DifferentTrees { what }
+        | Self::SkinnedMesh { what, .. }
         | Self::WrongCount { what, .. }) = &mut self;
         *what = format!("{part}: {what}");
         self

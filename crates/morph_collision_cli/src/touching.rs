@@ -110,10 +110,7 @@ fn up_to(
         if !is_complete {
             return ControlFlow::Break(());
         }
-        pairs.push(TrianglePair {
-            triangle_a: found.triangle_a,
-            triangle_b: found.triangle_b,
-        });
+        pairs.push(found.triangles);
         ControlFlow::Continue(())
     });
     visited.is_ok() && is_complete

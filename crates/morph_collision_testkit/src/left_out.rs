@@ -100,11 +100,11 @@ impl MorphMesh {
     /// [`ModelError`] if lists have different lengths or are too long.
     pub fn leave_out_bad_parts(&mut self) -> Result<BadParts, ModelError> {
         let bad = self.bad_parts()?;
-        bad.mend(&mut self.positions);
-        self.targets.iter_mut().for_each(|target| bad.mend(target));
+        bad.repair(&mut self.positions);
+        self.targets.iter_mut().for_each(|target| bad.repair(target));
         for set in self.skin.iter_mut().flat_map(|skin| &mut skin.sets) {
-            bad.mend(&mut set.joints);
-            bad.mend(&mut set.weights);
+            bad.repair(&mut set.joints);
+            bad.repair(&mut set.weights);
         }
         bad.remove_from(&mut self.triangles);
         let moved = |end: u32| end - bad.triangles().partition_point(|&triangle| triangle < end) as u32;

@@ -113,7 +113,7 @@ fn draw(
             };
             pose.get_mut().visit_nodes(|node| {
                 if node.depth == depth || node.is_leaf {
-                    let color = if node.was_fresh { style.refitted } else { style.resting };
+                    let color = if node.was_cached { style.refitted } else { style.resting };
                     let cube = Transform::from_translation(node.bounds.center()).with_scale(node.bounds.size());
                     let place = node.world_from_bounds.as_ref().map_or(*place, in_world);
                     gizmos.cube(place * cube, color);

@@ -167,10 +167,10 @@ impl MeshData {
         let skin = influences.as_ref().map(|(joints, sets)| (*joints, &sets[..]));
         let bad = BadParts::find(&self.positions, corners, &self.targets, skin)?;
         let left_out = MorphLeftOut::of(&bad, corners.len(), incomplete);
-        bad.mend(&mut self.positions);
-        self.targets.iter_mut().for_each(|target| bad.mend_target(target));
+        bad.repair(&mut self.positions);
+        self.targets.iter_mut().for_each(|target| bad.repair_target(target));
         if let Some(skin) = &mut self.skin {
-            skin.mend(&bad);
+            skin.repair(&bad);
         }
         bad.remove_from(corners);
         Ok(left_out)

@@ -55,9 +55,9 @@ impl SkinData {
     }
 
     /// Gives bad vertices the influences of a good one.
-    pub(super) fn mend(&mut self, bad: &BadParts) {
-        bad.mend(&mut self.joints);
-        bad.mend(&mut self.weights);
+    pub(super) fn repair(&mut self, bad: &BadParts) {
+        bad.repair(&mut self.joints);
+        bad.repair(&mut self.weights);
     }
 
     pub(super) fn influences(&self) -> Influences<'_> {

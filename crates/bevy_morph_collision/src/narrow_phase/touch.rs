@@ -93,7 +93,7 @@ impl Touch {
                     .extend(manifold.points().iter().map(|point| MorphContactPoint {
                         point: point.point.as_vec3(),
                         depth: point.depth as f32,
-                        triangles: point.pair,
+                        triangles: point.triangles,
                     }));
                 contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
             }

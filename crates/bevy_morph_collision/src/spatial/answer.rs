@@ -118,7 +118,7 @@ impl From<&Manifold> for MorphManifold {
         let points = manifold.points().iter().map(|point| MorphContactPoint {
             point: point.point.as_vec3(),
             depth: point.depth as f32,
-            triangles: point.pair,
+            triangles: point.triangles,
         });
         Self {
             normal: manifold.normal.as_vec3(),

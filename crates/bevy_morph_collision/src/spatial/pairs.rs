@@ -26,34 +26,33 @@ impl MorphSpatialQuery<'_, '_> {
             Some(match (a, b) {
                 (Target::Mesh(a), Target::Mesh(b)) => {
                     let closest = queries.distance.closest(a, b, within).ok()??;
-                    let triangles = (closest.triangle_a, closest.triangle_b);
-                    (closest.point_a, closest.point_b, closest.distance, triangles)
+                    (closest.point_a, closest.point_b, closest.distance, closest.triangles)
                 }
                 (Target::Mesh(a), Target::Shape(shape)) => {
                     let contact = queries.shape.closest(a, shape, within).ok()??;
                     let (on_mesh, on_shape) = (contact.point_on_triangle, contact.point_on_shape);
-                    (on_mesh, on_shape, contact.distance, (contact.triangle, NONE))
+                    (on_mesh, on_shape, contact.distance, pair(contact.triangle, NONE))
                 }
                 (Target::Shape(shape), Target::Mesh(b)) => {
                     let contact = queries.shape.closest(b, shape, within).ok()??;
                     let (on_mesh, on_shape) = (contact.point_on_triangle, contact.point_on_shape);
-                    (on_shape, on_mesh, contact.distance, (NONE, contact.triangle))
+                    (on_shape, on_mesh, contact.distance, pair(NONE, contact.triangle))
                 }
                 (Target::Shape(a), Target::Shape(b)) => {
                     let gap = a.gap(b);
                     (gap.distance <= within).then_some(())?;
-                    (gap.point_a, gap.point_b, gap.distance, (NONE, NONE))
+                    (gap.point_a, gap.point_b, gap.distance, pair(NONE, NONE))
                 }
             })
         });
-        let (point1, point2, distance, (triangle_a, triangle_b)) = closest?;
+        let (point1, point2, distance, triangles) = closest?;
         // Where the colliders touch, both points are the same.
         let point2 = if distance > 0.0 { point2 } else { point1 };
         Some(MorphClosestPoints {
             point1: point1.as_vec3(),
             point2: point2.as_vec3(),
             distance: distance.max(0.0) as f32,
-            triangles: pair(triangle_a, triangle_b),
+            triangles,
         })
     }
 

@@ -12,7 +12,7 @@ use super::{Influences, ModelError, check};
 /// A vertex is bad if its position or a displacement is not finite or too large, or if joints cannot move it: a weight is NaN, negative or
 /// too large, or belongs to a joint that does not exist. A triangle is bad if a corner is a bad vertex or no vertex at all.
 ///
-/// Find the bad parts, [mend](Self::mend) every list that has an entry per vertex, and [remove](Self::remove_from) the triangles. Vertices keep
+/// Find the bad parts, [repair](Self::repair) every list that has an entry per vertex, and [remove](Self::remove_from) the triangles. Vertices keep
 /// their numbers. Triangles are renumbered: they move up to close the gaps.
 ///
 /// ```
@@ -26,7 +26,7 @@ use super::{Influences, ModelError, check};
 ///
 /// let bad = BadParts::find(&base, &triangles, &none, None)?;
 /// assert_eq!((bad.triangles(), bad.vertices()), (&[0][..], &[3][..]));
-/// bad.mend(&mut base);
+/// bad.repair(&mut base);
 /// bad.remove_from(&mut triangles);
 /// assert_eq!(MorphModel::from_displacements(&base, &triangles, &none)?.triangle_count(), 1);
 /// # Ok::<(), morph_collision::ModelError>(())
@@ -115,7 +115,7 @@ impl BadParts {
 
     /// Gives each bad vertex the value of a good one. After this is done to its position, its displacements and its influences, it is
     /// welded to that one, and neither bounds nor weights depend on it. Changes nothing if all vertices are bad.
-    pub fn mend<V: Copy>(&self, of_vertices: &mut [V]) {
+    pub fn repair<V: Copy>(&self, of_vertices: &mut [V]) {
         let Some(good) = self.good.and_then(|good| of_vertices.get(good as usize).copied()) else {
             return;
         };
@@ -127,16 +127,16 @@ impl BadParts {
     }
 
     /// The same for a sparse target.
-    pub fn mend_target(&self, target: &mut SparseTarget) {
+    pub fn repair_target(&self, target: &mut SparseTarget) {
         let Some(good) = self.good.map(|good| good as usize).filter(|good| *good < target.len()) else {
             return;
         };
         let mut bad = self.vertices.iter().peekable();
-        let mended = (0..target.len()).map(|vertex| {
+        let repaired = (0..target.len()).map(|vertex| {
             let is_bad = bad.next_if(|bad| **bad as usize == vertex).is_some();
             target.of(if is_bad { good } else { vertex })
         });
-        *target = mended.collect();
+        *target = repaired.collect();
         target.shrink_to_fit();
     }
 

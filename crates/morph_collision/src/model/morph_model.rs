@@ -90,6 +90,24 @@ impl MorphModel {
     /// As for [`MorphModel::from_displacements`], and if a set of influences and the base have different lengths, an influence has a weight
     /// that is NaN, negative or more than 1000, its joint is out of range, or the weights of a vertex sum to more than 8000. The error names
     /// the vertex, the influence and the joint.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use glam::{Affine3A, Vec3};
+    /// use morph_collision::{BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose};
+    ///
+    /// // A triangle whose last corner follows joint 1; the others follow joint 0. Unused slots have weight 0.
+    /// let influences = Influences {
+    ///     joints: &[[0, 0, 0, 0], [0, 0, 0, 0], [1, 0, 0, 0]],
+    ///     weights: &[[1.0, 0.0, 0.0, 0.0]; 3],
+    /// };
+    /// let targets: [[Vec3; 3]; 0] = [];
+    /// let model = MorphModel::skinned(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &targets, 2, &[influences])?;
+    /// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    /// pose.set_joints(&JointMatrices::new(&[Affine3A::IDENTITY, Affine3A::from_translation(Vec3::Y)])?)?;
+    /// assert_eq!(pose.source_vertex(2), Some(Vec3::Y * 2.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn skinned<T: TargetDisplacements>(
         base: &[Vec3],
         triangles: &[[u32; 3]],

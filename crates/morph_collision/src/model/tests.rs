@@ -212,13 +212,13 @@ fn bad_parts_are_those_for_which_a_model_is_refused() {
             told.starts_with(reason) && told.is_empty() == reason.is_empty(),
             "{told}"
         );
-        bad.mend(&mut base);
+        bad.repair(&mut base);
         let mut sparse: SparseTarget = target.iter().copied().collect();
-        bad.mend_target(&mut sparse);
-        bad.mend(&mut target);
+        bad.repair_target(&mut sparse);
+        bad.repair(&mut target);
         assert_eq!(sparse, target.iter().copied().collect());
-        bad.mend(&mut joints);
-        bad.mend(&mut weights);
+        bad.repair(&mut joints);
+        bad.repair(&mut weights);
         bad.remove_from(&mut triangles);
         let model = build(&base, &triangles, &target, &joints, &weights).unwrap();
         assert_eq!(model.triangle_count(), 10 - bad_triangles.len());
@@ -234,7 +234,7 @@ fn what_cannot_be_mended_stays_an_error() {
     let mut base = vec![Vec3::NAN; 12];
     let bad = BadParts::find(&base, &triangles, &[&target], None).unwrap();
     assert_eq!((bad.triangles().len(), bad.vertices().len()), (10, 12));
-    bad.mend(&mut base);
+    bad.repair(&mut base);
     assert!(base[0].is_nan(), "there is no good vertex");
     let short = BadParts::find(&base, &triangles, &[&target[1..]], None).unwrap_err();
     assert!(matches!(short, ModelError::LengthMismatch { .. }));

@@ -12,7 +12,7 @@ pub struct PosedNode<'a> {
     pub world_from_bounds: Option<WorldFromModel>,
     /// Whether the box was cached before the visit. The root also counts as cached if its children are, because a body's bounds come
     /// from them.
-    pub was_fresh: bool,
+    pub was_cached: bool,
     /// The number of edges from the root to the node.
     pub depth: usize,
     /// Whether the node has no children.
@@ -30,15 +30,15 @@ impl Pose {
         let mut posed = self.posed();
         let topology = posed.topology;
         // Queries may have opened only the root's children.
-        let was_fresh = posed.is_open(0) || posed.is_top_open();
-        let mut rest = vec![(posed.root(), was_fresh, 0)];
-        while let Some((node, was_fresh, depth)) = rest.pop() {
+        let was_cached = posed.is_open(0) || posed.is_top_open();
+        let mut rest = vec![(posed.root(), was_cached, 0)];
+        while let Some((node, was_cached, depth)) = rest.pop() {
             let kind = node.child.kind();
             let own = posed.box_in_frame(node.id);
             let visited = PosedNode {
                 bounds: own.map_or_else(|| posed.node_box(node), |(bounds, _)| bounds),
                 world_from_bounds: own.map(|(_, place)| place),
-                was_fresh,
+                was_cached,
                 depth,
                 is_leaf: matches!(kind, ChildKind::Leaf(_)),
                 triangles: topology.triangles_below(node.child),
@@ -46,10 +46,10 @@ impl Pose {
             if visitor(&visited)
                 && let ChildKind::Group(group) = kind
             {
-                let was_fresh = posed.is_open(group);
+                let was_cached = posed.is_open(group);
                 let slot = posed.open(group);
                 let lanes = (0..topology.group(group).children().len()).rev();
-                rest.extend(lanes.map(|lane| (posed.node(slot, group, lane), was_fresh, depth + 1)));
+                rest.extend(lanes.map(|lane| (posed.node(slot, group, lane), was_cached, depth + 1)));
             }
         }
     }
@@ -78,7 +78,7 @@ mod tests {
                 let mut nodes = Vec::new();
                 pose.visit_nodes(|node| {
                     if node.depth == depth || node.is_leaf {
-                        nodes.push((node.bounds, node.was_fresh, node.triangles.to_vec()));
+                        nodes.push((node.bounds, node.was_cached, node.triangles.to_vec()));
                     }
                     node.depth < depth
                 });
@@ -86,8 +86,8 @@ mod tests {
             };
             let nodes = nodes_at(&mut pose);
             // Only the boxes of the level above have been blended.
-            assert!(depth > 2 || nodes.iter().all(|(_, was_fresh, _)| !was_fresh));
-            assert!(nodes_at(&mut pose).iter().all(|(_, was_fresh, _)| *was_fresh));
+            assert!(depth > 2 || nodes.iter().all(|(_, was_cached, _)| !was_cached));
+            assert!(nodes_at(&mut pose).iter().all(|(_, was_cached, _)| *was_cached));
             counts.push(nodes.len());
             let mut below: Vec<u32> = nodes.iter().flat_map(|(.., triangles)| triangles).copied().collect();
             below.sort_unstable();

@@ -39,7 +39,7 @@ impl Default for Effort {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Witness {
     /// The triangles, the smaller index first.
-    pub pair: TrianglePair,
+    pub triangles: TrianglePair,
     /// Weights of all targets, in the box.
     pub weights: Vec<f32>,
 }

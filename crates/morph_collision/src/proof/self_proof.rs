@@ -59,7 +59,7 @@ impl SelfProof {
     /// Prepares a proof.
     ///
     /// # Errors
-    /// The box has not one interval per target, or the mesh is skinned.
+    /// [`InputError::WrongCount`] unless the box has one interval per target; [`InputError::SkinnedMesh`] if the mesh is skinned.
     pub fn new(bvh: &Arc<MorphBvh>, weights: &WeightBox, effort: Effort) -> Result<Self, InputError> {
         let model = bvh.model();
         if weights.len() != model.target_count() {
@@ -70,10 +70,9 @@ impl SelfProof {
             });
         }
         if let Some(joints) = model.joint_count() {
-            return Err(InputError::WrongCount {
-                what: "joints of a mesh whose proof is about weights only".to_owned(),
-                given: joints,
-                expected: 0,
+            return Err(InputError::SkinnedMesh {
+                what: "a proof about weights".to_owned(),
+                joints,
             });
         }
         let mut proof = Self {

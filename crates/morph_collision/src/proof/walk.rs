@@ -133,7 +133,7 @@ impl<'a> Walk<'a> {
                         all[usize::from(target)] = weight;
                     }
                     outcome.witnesses.push(Witness {
-                        pair: pair(),
+                        triangles: pair(),
                         weights: all,
                     });
                 }

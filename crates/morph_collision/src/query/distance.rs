@@ -23,10 +23,8 @@ use crate::tree::Leaf;
 /// The closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPair {
-    /// The triangle of the first body.
-    pub triangle_a: u32,
-    /// The triangle of the second body.
-    pub triangle_b: u32,
+    /// The two triangles.
+    pub triangles: TrianglePair,
     /// The point on the first body's triangle, in world space.
     pub point_a: DVec3,
     /// The point on the second body's triangle, in world space.
@@ -155,11 +153,10 @@ impl DistanceQuery {
 
 impl ClosestPair {
     /// The closest points of two triangles.
-    pub(super) fn of(pair: TrianglePair, corners_a: &Triangle, corners_b: &Triangle) -> Self {
+    pub(super) fn of(triangles: TrianglePair, corners_a: &Triangle, corners_b: &Triangle) -> Self {
         let ClosestPoints { on_a, on_b, squared } = closest_of_triangles(corners_a, corners_b);
         Self {
-            triangle_a: pair.triangle_a,
-            triangle_b: pair.triangle_b,
+            triangles,
             point_a: on_a,
             point_b: on_b,
             distance: squared.sqrt(),

@@ -25,6 +25,23 @@ pub struct TrianglePair {
 ///
 /// The answer is exact for the posed vertices in world space (see the crate's introduction); touching counts. It does not depend
 /// on the tree. If you swap the bodies, you get the same pairs of triangles.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::{Affine3A, Vec3};
+/// # use morph_collision::*;
+/// // A triangle, and a target that lifts it.
+/// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+/// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+/// let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
+/// let above = WorldFromModel::new(Affine3A::from_translation(Vec3::Z))?;
+/// let (mut query, mut pairs) = (PairQuery::new(), Vec::new());
+/// assert!(!query.any(Body::new(&mut a, &WorldFromModel::IDENTITY), Body::new(&mut b, &above)));
+/// a.set_weights(&[1.0])?;
+/// query.all(Body::new(&mut a, &WorldFromModel::IDENTITY), Body::new(&mut b, &above), &mut pairs);
+/// assert_eq!(pairs, [TrianglePair { triangle_a: 0, triangle_b: 0 }]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct PairQuery {
     walk: OverlapWalk,

@@ -30,7 +30,7 @@ use crate::tree::Leaf;
 /// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
 /// let mut found = Vec::new();
 /// SelfDistanceQuery::new().within(&mut pose, 2.0, |pair| {
-///     found.push((pair.triangle_a, pair.triangle_b, pair.distance));
+///     found.push((pair.triangles.triangle_a, pair.triangles.triangle_b, pair.distance));
 ///     ControlFlow::Continue(())
 /// })?;
 /// assert_eq!(found, [(0, 1, 1.0)]);

@@ -147,8 +147,8 @@ fn points_lie_on_both_triangles_and_the_deepest_is_first() {
         assert!((manifold.normal.length() - 1.0).abs() < 1e-12);
         assert_eq!(manifold.points()[0].depth, manifold.depth);
         for contact in manifold.points() {
-            let of_a = &a.triangles[contact.pair.triangle_a as usize];
-            let of_b = &b.triangles[contact.pair.triangle_b as usize];
+            let of_a = &a.triangles[contact.triangles.triangle_a as usize];
+            let of_b = &b.triangles[contact.triangles.triangle_b as usize];
             assert!(oracle::triangles_intersect(of_a, of_b));
             assert!(distance(contact.point, of_a).max(distance(contact.point, of_b)) < 1e-12);
             assert!(contact.depth <= manifold.depth);
@@ -171,7 +171,7 @@ fn every_intersecting_pair_has_its_contact() {
         }
         let manifold = manifold(&mut a, &mut b).unwrap();
         assert_eq!(manifold.pair_count, pairs.len());
-        assert!(manifold.points().iter().all(|point| pairs.contains(&point.pair)));
+        assert!(manifold.points().iter().all(|point| pairs.contains(&point.triangles)));
     }
 }
 

@@ -40,8 +40,8 @@ fn agrees(a: &Case, b: &Case) -> bool {
         assert!((pair.distance - least).abs() <= slack, "{name}: {pair:?}, not {least}");
         assert_eq!(pair.distance == 0.0, touching, "{name}");
         let (on_a, on_b) = (
-            &triangles_a[pair.triangle_a as usize],
-            &triangles_b[pair.triangle_b as usize],
+            &triangles_a[pair.triangles.triangle_a as usize],
+            &triangles_b[pair.triangles.triangle_b as usize],
         );
         assert!(point_triangle(pair.point_a, on_a) <= slack, "{name}: {pair:?}");
         assert!(point_triangle(pair.point_b, on_b) <= slack, "{name}: {pair:?}");

@@ -43,7 +43,7 @@ fn own_pairs(case: &Case, limit: f64) -> usize {
         let mut found = Vec::new();
         let mut query = SelfDistanceQuery::new();
         let within = query.within(&mut pose, limit, |pair| {
-            let [a, b] = [pair.triangle_a, pair.triangle_b];
+            let [a, b] = [pair.triangles.triangle_a, pair.triangles.triangle_b];
             let expected = distance(&corners[a as usize], &corners[b as usize]);
             assert!(
                 (pair.distance - expected).abs() <= 1e-10 * (1.0 + expected),
@@ -116,7 +116,7 @@ fn close_triangles_of_two_bodies_agree_with_brute_force() {
                 ];
                 let [a, b] = bodies;
                 let within = DistanceQuery::new().within(a, b, limit, |pair| {
-                    found.push([pair.triangle_a, pair.triangle_b]);
+                    found.push([pair.triangles.triangle_a, pair.triangles.triangle_b]);
                     ControlFlow::Continue(())
                 });
                 within.unwrap();

@@ -17,7 +17,10 @@ fn compare(mesh: &MorphMesh, weights: &WeightBox, boxes_per_pair: u32, poses: u6
     let open = open_pairs(&outcome);
     for witness in &outcome.witnesses {
         assert!(weights.contains(&witness.weights), "{witness:?}");
-        assert!(touching(&bvh, &witness.weights).contains(&witness.pair), "{witness:?}");
+        assert!(
+            touching(&bvh, &witness.weights).contains(&witness.triangles),
+            "{witness:?}"
+        );
     }
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut found = 0;

@@ -42,7 +42,7 @@ fn prove(bvh: &Arc<MorphBvh>, weights: &WeightBox, effort: Effort) -> ProofOutco
 
 /// Everything that is not proved free. The lists must be complete.
 fn open_pairs(outcome: &ProofOutcome) -> BTreeSet<TrianglePair> {
-    let witnesses = outcome.witnesses.iter().map(|witness| witness.pair);
+    let witnesses = outcome.witnesses.iter().map(|witness| witness.triangles);
     let open: BTreeSet<_> = witnesses.chain(outcome.undecided_pairs.iter().copied()).collect();
     assert_eq!(
         open.len() as u64,

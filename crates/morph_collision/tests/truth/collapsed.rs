@@ -254,7 +254,11 @@ fn the_distance_of_a_point_from_a_body_around_it_is_measured_without_products_of
         let closest = query.closest(a, b, f64::INFINITY).unwrap().unwrap();
         assert!((closest.distance - truth).abs() < 1e-12, "{closest:?}, {truth}");
         // Of all triangles of the point, the first one.
-        let of_point = if turn { closest.triangle_a } else { closest.triangle_b };
+        let of_point = if turn {
+            closest.triangles.triangle_a
+        } else {
+            closest.triangles.triangle_b
+        };
         assert_eq!(of_point, 0);
         few("a point", &query.stats());
     }

@@ -90,12 +90,9 @@ impl Searcher {
         };
         match gap {
             None => self.query.visit(&mut self.pose, look),
-            Some(gap) => self.distances.within(&mut self.pose, gap, |found| {
-                look(TrianglePair {
-                    triangle_a: found.triangle_a,
-                    triangle_b: found.triangle_b,
-                })
-            })?,
+            Some(gap) => self
+                .distances
+                .within(&mut self.pose, gap, |found| look(found.triangles))?,
         }
         pairs.sort_unstable();
         if let Some(least) = min_depth {

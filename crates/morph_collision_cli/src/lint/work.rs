@@ -238,7 +238,7 @@ impl Lint<'_> {
         let steps = progress::count("witness of the proof", outcome.witnesses.len() as u64);
         for witness in &outcome.witnesses {
             steps.step();
-            let pair = witness.pair;
+            let pair = witness.triangles;
             let is_known = [pair.triangle_a, pair.triangle_b]
                 .iter()
                 .all(|&triangle| self.findings.has(triangle));

@@ -170,8 +170,8 @@ impl Contact {
         let point = |contact: &morph_collision::ContactPoint| Point {
             point: contact.point.to_array(),
             depth: contact.depth,
-            triangle_a: contact.pair.triangle_a,
-            triangle_b: contact.pair.triangle_b,
+            triangle_a: contact.triangles.triangle_a,
+            triangle_b: contact.triangles.triangle_b,
         };
         Self {
             frame,
@@ -192,8 +192,8 @@ impl Distance {
             body_a,
             body_b,
             distance: closest.distance,
-            triangle_a: closest.triangle_a,
-            triangle_b: closest.triangle_b,
+            triangle_a: closest.triangles.triangle_a,
+            triangle_b: closest.triangles.triangle_b,
             point_a: closest.point_a.to_array(),
             point_b: closest.point_b.to_array(),
         }

@@ -214,7 +214,7 @@ impl<'a> Worker<'a> {
             for point in manifold.points() {
                 hash.numbers(point.point.to_array());
                 hash.number(point.depth);
-                hash_pairs(hash, &mut [point.pair]);
+                hash_pairs(hash, &mut [point.triangles]);
             }
         }
 
@@ -225,8 +225,8 @@ impl<'a> Worker<'a> {
         hash.number(closest.distance);
         // If two bodies touch, the common point that is found first depends on the tree.
         if closest.distance > 0.0 {
-            hash.u32(closest.triangle_a);
-            hash.u32(closest.triangle_b);
+            hash.u32(closest.triangles.triangle_a);
+            hash.u32(closest.triangles.triangle_b);
             hash.numbers(closest.point_a.to_array());
             hash.numbers(closest.point_b.to_array());
         }

@@ -81,8 +81,8 @@ pub(super) fn assert_closest_pair([a, b]: [Body<'_>; 2], triangles: [&[Corners];
     assert_eq!(pair.distance == 0.0, touching, "{pair:?}");
     let slack = reach * DISTANCE_ERROR;
     let [on_a, on_b] = [
-        &triangles[0][pair.triangle_a as usize],
-        &triangles[1][pair.triangle_b as usize],
+        &triangles[0][pair.triangles.triangle_a as usize],
+        &triangles[1][pair.triangles.triangle_b as usize],
     ];
     assert!(oracle::point_distance(pair.point_a, on_a) <= slack, "{pair:?}");
     assert!(oracle::point_distance(pair.point_b, on_b) <= slack, "{pair:?}");

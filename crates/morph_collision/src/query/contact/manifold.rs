@@ -11,7 +11,7 @@ pub struct ContactPoint {
     /// How far the first triangle can move along the manifold's normal before it leaves the second, in world units.
     pub depth: f64,
     /// The two triangles.
-    pub pair: TrianglePair,
+    pub triangles: TrianglePair,
 }
 
 /// A summary of the contacts of two bodies: a normal, a depth and up to four points.

@@ -47,7 +47,7 @@ pub struct ContactQuery {
 /// Two intersecting triangles in world space, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
 struct Touching {
-    pair: TrianglePair,
+    triangles: TrianglePair,
     a: Triangle,
     b: Triangle,
     contact: TriangleContact,
@@ -70,9 +70,19 @@ impl ContactQuery {
         let is_truncated = self.find(a, b, limit);
         let normal = mean_normal(&self.touching);
         self.points.clear();
-        for &Touching { pair, a, b, contact } in &self.touching {
+        for &Touching {
+            triangles,
+            a,
+            b,
+            contact,
+        } in &self.touching
+        {
             let depth = parting_distance(&a, &b, normal);
-            let points = contact.segment.map(|point| ContactPoint { point, depth, pair });
+            let points = contact.segment.map(|point| ContactPoint {
+                point,
+                depth,
+                triangles,
+            });
             self.points.extend(points);
         }
         Manifold::reduce(normal, self.touching.len(), is_truncated, &self.points)
@@ -85,17 +95,22 @@ impl ContactQuery {
         let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut self.found);
         self.touching.clear();
         let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
-        for &pair in &self.found {
-            let a = outward_triangle(posed_a, pair.triangle_a);
-            let b = outward_triangle(posed_b, pair.triangle_b);
+        for &triangles in &self.found {
+            let a = outward_triangle(posed_a, triangles.triangle_a);
+            let b = outward_triangle(posed_b, triangles.triangle_b);
             // Never `None`: the pair query uses the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
-                self.touching.push(Touching { pair, a, b, contact });
+                self.touching.push(Touching {
+                    triangles,
+                    a,
+                    b,
+                    contact,
+                });
             }
         }
         let key = |touching: &Touching| {
             let TriangleContact { segment, normal } = touching.contact;
-            let TrianglePair { triangle_a, triangle_b } = touching.pair;
+            let TrianglePair { triangle_a, triangle_b } = touching.triangles;
             // Two equal shapes at the same place list each pair twice, in both orders.
             let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b), triangle_a];
             ([segment[0], segment[1], normal.abs()].map(|v| v.to_array()), numbers)

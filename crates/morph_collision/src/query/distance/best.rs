@@ -20,8 +20,8 @@ const TIES: u32 = 16_384;
 const NO_CLOSER: f64 = 1.0 - 1e-9;
 
 impl ClosestPair {
-    fn rank(&self) -> Rank<[u32; 2]> {
-        Rank::new(self.distance, [self.triangle_a, self.triangle_b])
+    fn rank(&self) -> Rank<TrianglePair> {
+        Rank::new(self.distance, self.triangles)
     }
 }
 
@@ -54,14 +54,13 @@ impl Best {
     #[inline]
     pub(super) fn look(
         &mut self,
-        pair: TrianglePair,
+        triangles: TrianglePair,
         corners_a: &Triangle,
         corners_b: &Triangle,
     ) -> ControlFlow<(), f64> {
         let ClosestPoints { on_a, on_b, squared } = closest_of_triangles(corners_a, corners_b);
         let found = ClosestPair {
-            triangle_a: pair.triangle_a,
-            triangle_b: pair.triangle_b,
+            triangles,
             point_a: on_a,
             point_b: on_b,
             distance: squared.sqrt(),

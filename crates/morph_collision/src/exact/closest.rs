@@ -6,9 +6,10 @@
 use glam::DVec3;
 
 use super::dyadic::Dyadic;
+use super::intersection::triangles_intersect;
 use super::number::{Number, difference, dot};
 use super::segment::{Segment, edges};
-use super::triangle::{Triangle, triangles_intersect};
+use super::triangle::Triangle;
 
 /// The point of a triangle that is closest to a given point.
 #[derive(Clone, Copy, Debug)]

@@ -3,13 +3,14 @@ use std::cmp::Ordering::{self, Equal};
 use glam::DVec3;
 
 use super::closest::{closest_of_segment_and_triangle, closest_of_triangles, closest_on_triangle, lerp};
+use super::intersection::triangles_intersect;
 use super::number::{largest, power_of_two, power_of_two_below};
 use super::predicates::{Projection, line_crossing, line_height, plane_crossing, plane_height};
 use super::segment::{
     Segment, edges, flat_segments_cross, flat_triangle_contains, lexicographic, line_pierces, segments_intersect,
     sorted,
 };
-use super::triangle::{Triangle, hull_of_line, sides_of_both, triangles_intersect};
+use super::triangle::{Triangle, hull_of_line, sides_of_both};
 
 /// Where two intersecting triangles meet.
 ///

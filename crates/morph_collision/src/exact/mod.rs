@@ -11,6 +11,7 @@ mod contact;
 mod double_double;
 mod dyadic;
 mod filter;
+mod intersection;
 pub(crate) mod motion;
 mod number;
 mod predicates;
@@ -27,13 +28,14 @@ pub(crate) use closest::{
 pub use contact::{TriangleContact, triangle_contact};
 pub(crate) use contact::{common_segment, unit_normal};
 pub(crate) use filter::Facet;
+pub(crate) use intersection::facets_intersect_counting;
+pub use intersection::triangles_intersect;
 pub(crate) use number::{largest, power_of_two, power_of_two_below};
 pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
 pub(crate) use segment::{Segment, edges, sorted};
-pub(crate) use triangle::facets_intersect_counting;
-pub use triangle::{Triangle, triangles_intersect};
+pub use triangle::Triangle;
 
 #[cfg(test)]
 mod closest_tests;

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 
 use super::posed::{NodeId, NodeRef, Posed};
-use super::posed_skin::BoneBoxes;
+use super::posed_skin::FrameBoxes;
 use crate::bounds::{Aabb, BoxLanes, Frame, MovingLanes, PlacedBounds};
 use crate::tree::Topology;
 
@@ -29,16 +29,16 @@ pub(crate) trait BoxTree {
     }
 
     /// Opens a group whose boxes are kept in the space of a joint; `None` if they are not kept in such a space.
-    fn open_in_bone(&mut self, _group: usize) -> Option<BoneBoxes> {
+    fn open_in_joint_frame(&mut self, _group: usize) -> Option<FrameBoxes> {
         None
     }
 
-    fn bone_boxes(&self, _boxes: BoneBoxes) -> Option<&BoxLanes> {
+    fn frame_boxes(&self, _boxes: FrameBoxes) -> Option<&BoxLanes> {
         None
     }
 
     /// The map from the space of a joint to the body's; `None` if it could not be computed.
-    fn body_from_bone(&mut self, _bone: usize) -> Option<Frame> {
+    fn body_from_joint_frame(&mut self, _frame: usize) -> Option<Frame> {
         None
     }
 
@@ -86,18 +86,18 @@ impl BoxTree for Posed<'_> {
     }
 
     #[inline(always)]
-    fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
-        self.open_in_bone(group)
+    fn open_in_joint_frame(&mut self, group: usize) -> Option<FrameBoxes> {
+        self.open_in_joint_frame(group)
     }
 
     #[inline(always)]
-    fn bone_boxes(&self, boxes: BoneBoxes) -> Option<&BoxLanes> {
-        self.bone_boxes(boxes)
+    fn frame_boxes(&self, boxes: FrameBoxes) -> Option<&BoxLanes> {
+        self.frame_boxes(boxes)
     }
 
     #[inline(always)]
-    fn body_from_bone(&mut self, bone: usize) -> Option<Frame> {
-        self.body_from_bone(bone)
+    fn body_from_joint_frame(&mut self, frame: usize) -> Option<Frame> {
+        self.body_from_joint_frame(frame)
     }
 
     #[inline(always)]

@@ -19,7 +19,7 @@ pub(super) struct SkinTree<'a> {
 
 /// Boxes in the space of a joint.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoneBoxes {
+pub(crate) struct FrameBoxes {
     /// The index of that space.
     pub(crate) frame: usize,
     slot: usize,
@@ -52,7 +52,7 @@ impl<'a> Posed<'a> {
 
     fn open_in_body(&mut self, group: usize, boxes: &mut BoxLanes) {
         let own = self.open_in_frame(group);
-        if let (Some(BoneBoxes { frame, slot }), Some((_, skinning))) = (own, &mut self.skin) {
+        if let (Some(FrameBoxes { frame, slot }), Some((_, skinning))) = (own, &mut self.skin) {
             skinning.in_body(self.level, frame, slot, boxes);
         }
     }
@@ -67,7 +67,7 @@ impl<'a> Posed<'a> {
 
     /// Blends a group's boxes in the space of a joint; `None` if they are not kept in such a space.
     #[inline(always)]
-    pub(crate) fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
+    pub(crate) fn open_in_joint_frame(&mut self, group: usize) -> Option<FrameBoxes> {
         if self.skin.is_none() || self.is_refitted || group == 0 || self.is_one_by_one(group) {
             return None;
         }
@@ -75,7 +75,7 @@ impl<'a> Posed<'a> {
     }
 
     #[inline(never)]
-    fn open_in_frame(&mut self, group: usize) -> Option<BoneBoxes> {
+    fn open_in_frame(&mut self, group: usize) -> Option<FrameBoxes> {
         let tree = self.skin_tree()?;
         let (tables, skinning) = self.skin.as_mut()?;
         let (slot, was_blended) = skinning.open(tree, group);
@@ -83,10 +83,10 @@ impl<'a> Posed<'a> {
             self.blended.volumes += self.topology.group(group).children().len() as u64;
         }
         let frame = skinning.frame_of(tables, group);
-        Some(BoneBoxes { frame, slot })
+        Some(FrameBoxes { frame, slot })
     }
 
-    pub(crate) fn bone_boxes(&self, boxes: BoneBoxes) -> Option<&BoxLanes> {
+    pub(crate) fn frame_boxes(&self, boxes: FrameBoxes) -> Option<&BoxLanes> {
         let (_, skinning) = self.skin.as_ref()?;
         Some(skinning.boxes(boxes.slot))
     }
@@ -106,7 +106,7 @@ impl<'a> Posed<'a> {
     }
 
     /// The map from the space of a joint to the body's frame; `None` if it could not be computed.
-    pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
+    pub(crate) fn body_from_joint_frame(&mut self, frame: usize) -> Option<Frame> {
         let (_, skinning) = self.skin.as_mut()?;
         skinning.body_from_frame(frame)
     }
@@ -139,7 +139,7 @@ impl<'a> Posed<'a> {
                 .is_some()
                 .then(|| (self.boxes.get(slot).get(lane), *self.place));
         }
-        let BoneBoxes { frame, slot } = self.open_in_frame(group)?;
+        let FrameBoxes { frame, slot } = self.open_in_frame(group)?;
         let (_, skinning) = self.skin.as_ref()?;
         Some((skinning.boxes(slot).get(lane), skinning.place_of(frame)))
     }

@@ -1,5 +1,9 @@
 use std::cmp::Ordering;
 
+/// Margin for rounding errors of squared distances. Pairs whose lower bound exceeds the best squared distance by up to this factor are
+/// still measured, so that the answer does not depend on the tree.
+pub(super) const MARGIN: f64 = 1.0 + 1e-9;
+
 /// The place of a hit among others: a smaller distance comes first, and among equal distances a lower id.
 ///
 /// All queries with a first or closest answer, and all sorted lists of hits, use this order. So the first hit of a list is the hit that a

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 use glam::DVec3;
 
-use super::view::View;
+use super::mapping::Mapping;
 use crate::bounds::{Aabb, BoxLanes, MovingLanes, PlacedBounds, WorldFromModel, with_simd};
 use crate::pose::{BoxTree, EpochCache, Posed, Standing};
 use crate::tree::Topology;
@@ -14,7 +14,7 @@ pub(crate) struct MovingBoxes {
     /// Indexed by group.
     groups: EpochCache<MovingGroup>,
     /// How the boxes at the start and at the end of the motion are mapped to the space of the moving boxes.
-    views: [View; 2],
+    mappings: [Mapping; 2],
 }
 
 /// The boxes of the children of a node: at both ends of the motion, and during all of it.
@@ -62,22 +62,22 @@ impl<'m, 'p> Moving<'m, 'p> {
             let rounding = f64::EPSILON * translation.abs().max_element();
             PlacedBounds::with_error(&space.at(translation), DVec3::ZERO, rounding)
         };
-        let MovingBoxes { groups, views } = &mut *moving;
+        let MovingBoxes { groups, mappings } = &mut *moving;
         groups.next_epoch();
         // Maps allow for the rounding of vertices.
         let keeps = is_own && !within;
         let targets = [at(space.translation()), at(after)];
-        for (i, (view, of)) in views.iter_mut().zip([&start, &end]).enumerate() {
+        for (i, (mapping, of)) in mappings.iter_mut().zip([&start, &end]).enumerate() {
             if i == 0 && keeps {
-                view.set(None);
+                mapping.set(None);
                 continue;
             }
             match targets[i].frame_from(&of.placed) {
-                Some(frame) => view.set(Some(&frame)),
-                None => view.give_up(),
+                Some(frame) => mapping.set(Some(&frame)),
+                None => mapping.set_unbounded(),
             }
         }
-        let mut root = [views[0].one(&start.bounds), views[1].one(&end.bounds)];
+        let mut root = [mappings[0].one(&start.bounds), mappings[1].one(&end.bounds)];
         if !(root[0].size() + root[1].size()).is_finite() {
             root = [Aabb::UNBOUNDED; 2];
         }
@@ -115,8 +115,8 @@ impl<'m, 'p> Moving<'m, 'p> {
     }
 
     #[inline(never)]
-    fn make(&mut self, group: usize) -> usize {
-        let MovingBoxes { groups, views } = &mut *self.moving;
+    fn compute(&mut self, group: usize) -> usize {
+        let MovingBoxes { groups, mappings } = &mut *self.moving;
         let slot = groups.claim(group);
         let MovingGroup { ends, hull } = groups.get_mut(slot);
         if group == 0 {
@@ -127,8 +127,8 @@ impl<'m, 'p> Moving<'m, 'p> {
         let [start, end] = &mut self.ends;
         let (at_start, at_end) = (start.open(group), end.open(group));
         with_simd!(start.level, simd => {
-            views[0].all(simd, start.boxes(at_start), &mut ends.start);
-            views[1].all(simd, end.boxes(at_end), &mut ends.end);
+            mappings[0].all(simd, start.boxes(at_start), &mut ends.start);
+            mappings[1].all(simd, end.boxes(at_end), &mut ends.end);
             ends.sweep(simd, hull);
         });
         slot
@@ -152,7 +152,7 @@ impl BoxTree for Moving<'_, '_> {
     fn open(&mut self, group: usize) -> usize {
         match self.moving.groups.find(group) {
             Some(slot) => slot,
-            None => self.make(group),
+            None => self.compute(group),
         }
     }
 

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::vec;
 
+use super::budget::{Budget, at_once};
 use super::clusters::{Cluster, Shares};
 use super::extents::NodeExtents;
-use super::pace::{Pace, at_once};
 use super::sah::Partition;
 use super::skin_tables::SkinBuilder;
 use super::topology::{Child, Group};
@@ -21,18 +21,18 @@ const COUNT_DEPTH: usize = 33;
 /// Decides how a node's triangles are divided among its children.
 pub(super) trait Splits {
     /// Reorders a node's triangles child by child, and returns the number of triangles of each child. `None` makes the node a leaf.
-    async fn split(&mut self, triangles: &mut [u32], depth: usize, pace: &Pace) -> Option<Vec<usize>>;
+    async fn split(&mut self, triangles: &mut [u32], depth: usize, budget: &Budget) -> Option<Vec<usize>>;
 }
 
 impl Splits for Partition {
-    async fn split(&mut self, triangles: &mut [u32], depth: usize, pace: &Pace) -> Option<Vec<usize>> {
+    async fn split(&mut self, triangles: &mut [u32], depth: usize, budget: &Budget) -> Option<Vec<usize>> {
         if triangles.len() <= self.leaf_size {
             return None;
         }
         let counts = if depth + COUNT_DEPTH > MAX_DEPTH {
             Vec::new()
         } else {
-            self.by_area(triangles, pace).await
+            self.by_area(triangles, budget).await
         };
         if counts.len() > 1 {
             return Some(counts);
@@ -47,7 +47,7 @@ impl Splits for Partition {
 pub(super) struct Recorded<'a>(pub(super) &'a [u32]);
 
 impl Splits for Recorded<'_> {
-    async fn split(&mut self, _: &mut [u32], _: usize, _: &Pace) -> Option<Vec<usize>> {
+    async fn split(&mut self, _: &mut [u32], _: usize, _: &Budget) -> Option<Vec<usize>> {
         let (&children, rest) = self.0.split_first()?;
         let (counts, rest) = rest.split_at_checked(children as usize)?;
         self.0 = rest;
@@ -61,15 +61,15 @@ impl MorphBvh {
     /// Memory while it is built: at most about three times what the tree and the model have afterwards, together with them.
     #[must_use]
     pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
-        at_once(build_paced(model, options, &Pace::endless()))
+        at_once(build_within(model, options, &Budget::unlimited()))
     }
 }
 
 /// Builds a tree, pausing between the pieces of work.
-pub(super) async fn build_paced(model: Arc<MorphModel>, options: &BuildOptions, pace: &Pace) -> MorphBvh {
+pub(super) async fn build_within(model: Arc<MorphModel>, options: &BuildOptions, budget: &Budget) -> MorphBvh {
     let triangles = (0..model.triangle_count() as u32).collect();
-    let splits = Partition::new(&model, options.leaf_size(), pace).await;
-    build_over(model, options, triangles, splits, pace).await
+    let splits = Partition::new(&model, options.leaf_size(), budget).await;
+    build_over(model, options, triangles, splits, budget).await
 }
 
 /// Builds a tree over all triangles, given in any order.
@@ -78,16 +78,16 @@ pub(super) async fn build_over(
     options: &BuildOptions,
     mut triangles: Vec<u32>,
     splits: impl Splits,
-    pace: &Pace,
+    budget: &Budget,
 ) -> MorphBvh {
     let mut builder = Builder {
         model: &model,
-        pace,
+        budget,
         splits,
         topology: Topology::new(),
         tables: Tables::default(),
         skin: match model.skin() {
-            Some(skin) => Some(SkinBuilder::new(dominant_joint(&model, skin, pace).await, skin)),
+            Some(skin) => Some(SkinBuilder::new(dominant_joint(&model, skin, budget).await, skin)),
             None => None,
         },
     };
@@ -109,9 +109,11 @@ pub(super) async fn build_over(
     let leaf_lanes = match skin {
         // Vertices moved by joints are blended one by one.
         Some(_) => None,
-        None => LeafLanes::new(&model, &topology, pace).await.map(Arc::new),
+        None => LeafLanes::new(&model, &topology, budget).await.map(Arc::new),
     };
-    pace.spend(if skin.is_some() { model.vertex_count() } else { 0 }).await;
+    budget
+        .spend(if skin.is_some() { model.vertex_count() } else { 0 })
+        .await;
     MorphBvh {
         leaf_lanes,
         skin: skin.map(|skin| Arc::new(skin.finish(&model, &topology))),
@@ -127,10 +129,10 @@ pub(super) async fn build_over(
 }
 
 /// The joint that moves most of the mesh.
-async fn dominant_joint(model: &MorphModel, skin: &Skin, pace: &Pace) -> u16 {
+async fn dominant_joint(model: &MorphModel, skin: &Skin, budget: &Budget) -> u16 {
     let mut shares = Shares::default();
     for vertex in 0..model.vertex_count() as u32 {
-        pace.spend(WORK_ON_JOINTS).await;
+        budget.spend(WORK_ON_JOINTS).await;
         shares.add(skin, vertex);
     }
     shares.dominant()
@@ -147,7 +149,7 @@ fn work_on(model: &MorphModel, count: usize) -> usize {
 
 struct Builder<'a, S> {
     model: &'a MorphModel,
-    pace: &'a Pace,
+    budget: &'a Budget,
     splits: S,
     topology: Topology,
     tables: Tables,
@@ -172,7 +174,7 @@ impl<S: Splits> Builder<'_, S> {
             // Down to the next leaf.
             while let Some(counts) = self
                 .splits
-                .split(&mut triangles[range.clone()], open.len(), self.pace)
+                .split(&mut triangles[range.clone()], open.len(), self.budget)
                 .await
             {
                 let children = counts.len();
@@ -186,7 +188,7 @@ impl<S: Splits> Builder<'_, S> {
                 });
             }
             self.topology.depth = self.topology.depth.max(open.len());
-            self.pace.spend(work_on(self.model, range.len())).await;
+            self.budget.spend(work_on(self.model, range.len())).await;
             let mut node = self.leaf(&triangles[range.clone()]);
             // Up again, past all groups whose last child is done.
             loop {
@@ -199,7 +201,7 @@ impl<S: Splits> Builder<'_, S> {
                     open.push(parent);
                     break;
                 }
-                self.pace.spend(work_on(self.model, parent.children.len())).await;
+                self.budget.spend(work_on(self.model, parent.children.len())).await;
                 let clusters = self.finish(parent.group, &parent.children, parent.clusters, open.is_empty());
                 node = (Child::group(parent.group), clusters);
             }

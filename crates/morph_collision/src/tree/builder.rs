@@ -5,12 +5,12 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::task::Poll;
 
-use super::build::build_paced;
-use super::pace::{Pace, go_on};
+use super::budget::{Budget, go_on};
+use super::build::build_within;
 use super::{BuildOptions, MorphBvh};
 use crate::model::MorphModel;
 
-/// The work of one step, in the unit of [`Pace`].
+/// The work of one step, in the unit of [`Budget`].
 pub(super) const STEP: usize = 1 << 17;
 
 /// Builds a [`MorphBvh`] in steps, for threads that must not block, such as the only thread of a web page.
@@ -35,7 +35,7 @@ pub(super) const STEP: usize = 1 << 17;
 /// # Ok::<(), morph_collision::ModelError>(())
 /// ```
 pub struct MorphBvhBuilder {
-    pub(super) pace: Arc<Pace>,
+    pub(super) budget: Arc<Budget>,
     build: Pin<Box<dyn Future<Output = MorphBvh> + Send + Sync>>,
 }
 
@@ -43,17 +43,17 @@ impl MorphBvhBuilder {
     /// Creates a builder. It does nothing until the first step.
     #[must_use]
     pub fn new(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
-        let pace = Arc::new(Pace::endless());
-        let (of_build, options) = (pace.clone(), *options);
+        let budget = Arc::new(Budget::unlimited());
+        let (of_build, options) = (budget.clone(), *options);
         Self {
-            pace,
-            build: Box::pin(async move { build_paced(model, &options, &of_build).await }),
+            budget,
+            build: Box::pin(async move { build_within(model, &options, &of_build).await }),
         }
     }
 
     /// Does the next step. Returns the builder, or the tree after the last step.
     pub fn step(mut self) -> ControlFlow<MorphBvh, Self> {
-        self.pace.begin(STEP);
+        self.budget.begin(STEP);
         match go_on(self.build.as_mut()) {
             Poll::Ready(bvh) => ControlFlow::Break(bvh),
             Poll::Pending => ControlFlow::Continue(self),

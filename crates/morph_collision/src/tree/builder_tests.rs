@@ -18,13 +18,13 @@ fn in_steps(model: &Arc<MorphModel>, options: &BuildOptions) -> (MorphBvh, usize
     let mut builder = MorphBvhBuilder::new(model.clone(), options);
     let (mut steps, mut long) = (1, 0);
     loop {
-        let pace = builder.pace.clone();
+        let budget = builder.budget.clone();
         match builder.step() {
             ControlFlow::Break(bvh) => return (bvh, steps, long),
             ControlFlow::Continue(rest) => builder = rest,
         }
         steps += 1;
-        long += usize::from(pace.left() == 0);
+        long += usize::from(budget.left() == 0);
     }
 }
 

@@ -3,9 +3,9 @@ use std::{fmt, mem};
 
 use thiserror::Error;
 
+use super::budget::{Budget, at_once};
 use super::build::{MAX_DEPTH, Recorded, build_over};
 use super::certificate_layout::CertificateLayout;
-use super::pace::{Pace, at_once};
 use super::topology::Child;
 use super::{BuildOptions, ChildKind, MorphBvh};
 use crate::bounds::LANES;
@@ -199,8 +199,8 @@ impl MorphBvh {
     pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
         layout.check(&model)?;
         let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
-        let pace = Pace::endless();
-        let bvh = at_once(build_over(model, &layout.options, triangles, splits, &pace));
+        let budget = Budget::unlimited();
+        let bvh = at_once(build_over(model, &layout.options, triangles, splits, &budget));
         if let Some(certificates) = &layout.certificates {
             let restored = certificates.restore(&bvh)?;
             // A new tree has none.

@@ -4,7 +4,7 @@ use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::pace::Pace;
+use super::budget::Budget;
 use super::{Leaf, Topology};
 use crate::bounds::{LANES, Lanes};
 use crate::model::MorphModel;
@@ -43,7 +43,7 @@ pub(crate) struct PatchColumns<'a> {
 
 impl LeafLanes {
     /// `None` if the average patch has too many targets or too few triangles. Vertices are then blended one by one.
-    pub(super) async fn new(model: &MorphModel, topology: &Topology, pace: &Pace) -> Option<Self> {
+    pub(super) async fn new(model: &MorphModel, topology: &Topology, budget: &Budget) -> Option<Self> {
         let patches = topology.patch_count();
         if model.triangle_count() < MIN_TRIANGLES * patches {
             return None;
@@ -53,7 +53,7 @@ impl LeafLanes {
         // Counted before anything is stored, because often nothing is.
         let (mut targets, mut last) = (0, vec![None; model.target_count()]);
         for (leaf, triangles) in leaves().enumerate() {
-            pace.spend(work(triangles)).await;
+            budget.spend(work(triangles)).await;
             for (patch, triangles) in triangles.chunks(LANES).enumerate() {
                 targets += count_targets(model, triangles, (leaf, patch), &mut last);
             }
@@ -69,7 +69,7 @@ impl LeafLanes {
         };
         lanes.starts.push(0);
         for triangles in leaves() {
-            pace.spend(work(triangles)).await;
+            budget.spend(work(triangles)).await;
             for triangles in triangles.chunks(LANES) {
                 lanes.push(model, triangles);
             }

@@ -1,6 +1,6 @@
 //! The immutable tree: which triangles each node holds, and the numbers that a pose blends into the node's box.
 //!
-//! - `build` runs all stages; `builder` runs them in steps, and `pace` decides where a step ends.
+//! - `build` runs all stages; `builder` runs them in steps, and `budget` decides where a step ends.
 //! - `sah` splits a node's triangles by the surface-area heuristic.
 //! - `topology` records the nodes in preorder.
 //! - `extents` measures the base and each target over every node.
@@ -20,6 +20,7 @@
 
 mod adjacency;
 mod blocks;
+mod budget;
 mod build;
 mod builder;
 mod bvh;
@@ -32,7 +33,7 @@ mod layout;
 mod leaf_lanes;
 mod options;
 mod owners;
-mod pace;
+
 mod root_children;
 mod sah;
 mod self_front;

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::pace::Pace;
+use super::budget::Budget;
 use crate::bounds::{Aabb, LANES};
 use crate::model::{MorphModel, Weights};
 
@@ -120,16 +120,16 @@ fn half_area(bounds: &Aabb) -> f64 {
 }
 
 impl Partition {
-    pub(super) async fn new(model: &MorphModel, leaf_size: usize, pace: &Pace) -> Self {
+    pub(super) async fn new(model: &MorphModel, leaf_size: usize, budget: &Budget) -> Self {
         let mut targets: Vec<usize> = (0..model.target_count()).collect();
         targets.sort_by(|&i, &j| model.target_reach()[j].total_cmp(&model.target_reach()[i]));
         targets.truncate(MAX_TARGETS);
         let mut weights = vec![0.0; model.target_count()];
         let work = model.vertex_count() + model.triangle_count();
-        pace.spend(work).await;
+        budget.spend(work).await;
         let mut partition = Self::over(leaf_size, Base::new(model, &weights));
         for target in targets {
-            pace.spend(work).await;
+            budget.spend(work).await;
             weights[target] = 1.0;
             let positions = positions(model, &weights);
             partition.add_target(corners(model, &positions).map(Aabb::from_points).collect());
@@ -160,8 +160,8 @@ impl Partition {
 
     /// Reorders the triangles child by child and returns the number of triangles of each child. There are 1 to 8 children, none
     /// empty. There is just one child if no plane separates the midpoints, or if the triangles fit a leaf.
-    pub(super) async fn by_area(&self, triangles: &mut [u32], pace: &Pace) -> Vec<usize> {
-        let mut parts = vec![self.part(triangles, 0..triangles.len(), pace).await];
+    pub(super) async fn by_area(&self, triangles: &mut [u32], budget: &Budget) -> Vec<usize> {
+        let mut parts = vec![self.part(triangles, 0..triangles.len(), budget).await];
         while parts.len() < LANES {
             let Some(costliest) = (0..parts.len())
                 .filter(|&i| parts[i].is_divisible)
@@ -170,11 +170,11 @@ impl Partition {
                 break;
             };
             let range = parts[costliest].range.clone();
-            match self.halve(&mut triangles[range.clone()], pace).await {
+            match self.halve(&mut triangles[range.clone()], budget).await {
                 Some(count) => {
                     let middle = range.start + count;
-                    parts[costliest] = self.part(triangles, range.start..middle, pace).await;
-                    let second = self.part(triangles, middle..range.end, pace).await;
+                    parts[costliest] = self.part(triangles, range.start..middle, budget).await;
+                    let second = self.part(triangles, middle..range.end, budget).await;
                     parts.insert(costliest + 1, second);
                 }
                 None => parts[costliest].is_divisible = false,
@@ -183,12 +183,12 @@ impl Partition {
         parts.into_iter().map(|part| part.range.len()).collect()
     }
 
-    async fn part(&self, triangles: &[u32], range: Range<usize>, pace: &Pace) -> Part {
+    async fn part(&self, triangles: &[u32], range: Range<usize>, budget: &Budget) -> Part {
         let part = &triangles[range.clone()];
         let moving = self.moving(part);
         let (mut area, mut of_base) = (0.0, 0.0);
         for shapes in self.pieces(part) {
-            pace.spend(self.count(shapes.clone(), moving) * part.len()).await;
+            budget.spend(self.count(shapes.clone(), moving) * part.len()).await;
             for shape in shapes {
                 let of_shape = match self.target(shape, moving) {
                     Some(target) => half_area(&self.hull(target, part)),
@@ -250,17 +250,17 @@ impl Partition {
 
     /// Reorders the triangles by their side of the best plane. Returns the number on the first side, or `None` if no plane
     /// separates them.
-    async fn halve(&self, triangles: &mut [u32], pace: &Pace) -> Option<usize> {
+    async fn halve(&self, triangles: &mut [u32], budget: &Budget) -> Option<usize> {
         let moving = self.moving(triangles);
         let mut best: Option<(f64, usize, Binned)> = None;
         for axis in 0..3 {
-            pace.spend(triangles.len()).await;
+            budget.spend(triangles.len()).await;
             let Some((bins, binned)) = self.binned(triangles, axis) else {
                 continue;
             };
             let (mut costs, mut of_base, mut sides) = (vec![0.0; bins], Sides::new(), Sides::new());
             for shapes in self.pieces(triangles) {
-                pace.spend(self.count(shapes.clone(), moving) * triangles.len()).await;
+                budget.spend(self.count(shapes.clone(), moving) * triangles.len()).await;
                 for shape in shapes {
                     let sides = match self.target(shape, moving) {
                         Some(target) => {

@@ -7,9 +7,9 @@ use std::cmp::Ordering::Equal;
 
 use glam::DVec3;
 
+use super::answer::Answer;
 use super::features::{FeaturePair, Kind};
-use super::filter::{Answer, Relative, vectors};
-use super::height_roots::decide_at_roots;
+use super::filter::{Relative, decide_at_roots, vectors};
 use super::moving::{MovingPoint, TimeOfImpact};
 use crate::exact::predicates::{Projection, plane_side};
 use crate::exact::segment::segments_intersect;

@@ -21,6 +21,7 @@
 //! 3. Ends: what the features are exactly at the start and at the end, if they touch at the start or can only touch at the end.
 //! 4. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
 
+mod answer;
 mod ball;
 mod bernstein;
 mod directions;
@@ -28,13 +29,11 @@ mod ends;
 mod features;
 mod filter;
 mod geometry;
-mod height_roots;
 mod moving;
 mod polynomial;
 mod root;
 mod solve;
 mod stages;
-mod subdivision;
 mod touch;
 
 pub(crate) use ball::{ball_impact, seen_from};

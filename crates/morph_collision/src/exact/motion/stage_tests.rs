@@ -3,9 +3,10 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
+use super::answer::Answer;
 use super::ends::decide_at_ends;
 use super::features::{FeaturePair, Kind};
-use super::filter::{Answer, filtered, separated};
+use super::filter::{filtered, separated};
 use super::touch::{edge_edge, vertex_face};
 use super::*;
 use crate::exact::{Triangle, triangles_intersect};

@@ -1,8 +1,9 @@
 //! The public questions, answered by one stage after the other.
 
+use super::answer::Answer;
 use super::ends::decide_at_ends;
 use super::features::{FeaturePair, Kind};
-use super::filter::{Answer, COARSEST, filtered, separated};
+use super::filter::{COARSEST, filtered, separated};
 use super::moving::{MovingPoint, TimeOfImpact};
 use super::solve;
 use super::stages::StageCounts;

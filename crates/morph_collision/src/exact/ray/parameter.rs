@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Line;
+use super::line::Line;
 use crate::exact::double_double::{DoubleDouble, UNDERFLOW};
 use crate::exact::dyadic::Dyadic;
 use crate::exact::number::{Number, UNIT_ROUNDOFF, cross, difference, dot, vector};

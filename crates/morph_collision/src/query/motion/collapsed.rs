@@ -10,7 +10,7 @@ use super::triangle::MovingTriangle;
 use crate::bounds::first_overlap;
 use crate::exact::motion::MovingPoint;
 use crate::query::QueryStats;
-use crate::query::distinct_triangles::{DistinctTriangles, DistinctWalk};
+use crate::query::two_bodies::{DistinctTriangles, DistinctWalk};
 use crate::traverse::Moving;
 
 /// Both bodies' triangles at both ends. The next query reuses the memory.

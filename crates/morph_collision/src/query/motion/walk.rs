@@ -12,7 +12,7 @@ use super::limit::{Limit, LimitReached};
 use super::triangle::MovingTriangle;
 use crate::pose::Posed;
 use crate::query::QueryStats;
-use crate::query::placements::Placements;
+use crate::query::two_bodies::Placements;
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
 use crate::tree::PatchPair;
 

@@ -9,8 +9,7 @@ use crate::bounds::{Box64, ByBox, GapFrame, PlacedBounds, WorldFromModel};
 use crate::exact::{TrianglePoint, closest_on_triangle_exactly, largest};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
-use crate::query::distance::MARGIN;
-use crate::query::rank::Rank;
+use crate::query::rank::{MARGIN, Rank};
 
 /// The point on a body's surface that is closest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,7 @@ use crate::exact::Triangle;
 use crate::input_error::{InputError, check_number};
 use crate::query::Body;
 use crate::query::capped::Capped;
-use crate::query::one::OneBody;
+use crate::query::one_body::OneBody;
 use crate::query::rank::Rank;
 
 /// The contact of a triangle with a shape: the closest points if they are apart, or the deepest points if they intersect.

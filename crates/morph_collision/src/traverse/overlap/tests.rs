@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 
-use super::{LEAF_PAIRS, Order, OverlapWalk};
+use super::walk::{LEAF_PAIRS, Order, OverlapWalk};
 use crate::bounds::{Aabb, BoxMap, Frame, WorldFromModel, visit_frames};
 use crate::pose::{NodeId, Pose, Posed};
 use crate::traverse::probe::{blob, cubes, leaves, row, triangle};

@@ -1,13 +1,15 @@
 //! Measures in exact arithmetic how close the errors of the filter come to their bounds.
 
+use glam::DVec3;
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::super::height_roots::{SIDES_AT, sides_at};
-use super::super::subdivision::Interval;
-use super::super::{MovingPoint, TimeOfImpact};
-use super::*;
+use super::height_roots::{SIDES_AT, sides_at};
+use super::relative::{Relative, vectors};
+use super::subdivision::Interval;
+use crate::exact::motion::features::{FeaturePair, Kind};
+use crate::exact::motion::{MovingPoint, TimeOfImpact};
 
 type Exact = [Dyadic; 3];
 

@@ -1,0 +1,6 @@
+//! Rays against one body.
+
+mod projection;
+mod query;
+
+pub use query::{Facing, RayHit, RayQuery};

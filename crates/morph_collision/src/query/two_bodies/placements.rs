@@ -1,0 +1,56 @@
+//! The setup that queries about two bodies share.
+
+use super::neighbourhood::Neighbourhood;
+use crate::bounds::visit_frames;
+use crate::pose::Standing;
+use crate::traverse::OverlapWalk;
+
+/// The two bodies of a query.
+#[derive(Clone, Copy)]
+pub(in crate::query) struct Placements<'a> {
+    pub(in crate::query) a: &'a Standing,
+    pub(in crate::query) b: &'a Standing,
+}
+
+impl Placements<'_> {
+    /// Prepares the frames in which nodes are compared; returns whether the roots overlap.
+    #[inline]
+    pub(in crate::query) fn begin_walk(&self, walk: &mut OverlapWalk) -> bool {
+        let mut roots_overlap = true;
+        walk.begin([self.a, self.b], self.a_from_b_scale());
+        visit_frames(&self.a.placed, &self.b.placed, |frames| {
+            // One frame that separates the bodies is enough.
+            roots_overlap = walk.push_frame(frames, &self.a.bounds, &self.b.bounds);
+            roots_overlap
+        });
+        roots_overlap
+    }
+
+    /// Whether both bodies are so small, compared with their distance from the origin or with their rest shapes, that the slack for
+    /// rounding is not small compared with their size. Culling is then useless.
+    #[inline]
+    pub(in crate::query) fn are_collapsed(&self) -> bool {
+        Self::are_small([self.a, self.b].map(|standing| (standing.size, standing.slack)))
+    }
+
+    /// [`Placements::are_collapsed`], for two bodies with these sizes and this much slack.
+    #[inline]
+    pub(in crate::query) fn are_small([(size_a, slack_a), (size_b, slack_b)]: [(f64, f64); 2]) -> bool {
+        /// Bodies this many times larger than the slack are culled well. Not measured; it affects only the speed.
+        const RESOLVED: f64 = 16.0;
+        size_a.max(size_b) <= RESOLVED * (slack_a + slack_b)
+    }
+
+    /// A neighbourhood that is close to both bodies if they touch.
+    pub(in crate::query) fn neighbourhood(&self) -> Neighbourhood {
+        let place = self.a.placed.world_from_model();
+        let size = place.scale() * f64::from(self.a.bounds.size().max_element());
+        Neighbourhood::new(place.translation(), size)
+    }
+
+    /// Roughly the factor that converts lengths in B's units to A's.
+    pub(in crate::query) fn a_from_b_scale(&self) -> f32 {
+        let [a, b] = [self.a, self.b].map(|standing| standing.placed.world_from_model().scale());
+        (b / a) as f32
+    }
+}

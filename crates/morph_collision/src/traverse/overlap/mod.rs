@@ -1,0 +1,11 @@
+//! The walk over two trees that finds the leaves whose boxes overlap.
+
+mod depth_sort;
+mod joint_spaces;
+mod mapped_boxes;
+mod walk;
+
+pub(crate) use walk::{Order, OverlapWalk};
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,11 @@
+//! Affine maps of boxes in `f32`, rounded outward.
+
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 use glam::{DVec3, Vec3A};
 
-use super::{Aabb, BoxLanes, Frame};
+use super::frame::{PlacedBounds, relative_to, to_world};
+use super::{Aabb, BoxLanes, Frame, WorldFromModel};
 
 /// The number of roundings allowed for in a row of the map. Each is at most half a unit in the last place of the largest
 /// magnitude reached. At most ten happen: of the entries, of three products and sums, of the offset, and of the slack itself
@@ -83,4 +86,23 @@ impl BoxMap {
             max.store_slice(&mut mapped.max[i].0);
         }
     }
+}
+
+/// The map to world space for boxes of a placed body. Mapped boxes contain the body's points as they are placed.
+/// `None` if world coordinates exceed the range of `f32`.
+pub(crate) fn world_map(placed: &PlacedBounds) -> Option<BoxMap> {
+    let error = DVec3::splat(placed.error());
+    BoxMap::new(&to_world(
+        placed.world_from_model(),
+        DVec3::ZERO,
+        placed.magnitude(),
+        error,
+    ))
+}
+
+/// The map from the source's space to the model space of `to`; `None` if there is none that `f32` can represent.
+pub(crate) fn map_into(to: &WorldFromModel, source: &PlacedBounds) -> Option<BoxMap> {
+    let mut frame = Frame::default();
+    let exists = relative_to(to, 0.0, source, &mut frame);
+    exists.then(|| BoxMap::new(&frame)).flatten()
 }

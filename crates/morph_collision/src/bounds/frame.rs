@@ -1,13 +1,13 @@
 //! Frames in which the boxes of two bodies are compared: the space of either body, or world space if neither body's map can be
 //! inverted.
 //!
-//! All maps are computed in `f64` with a bound on their error. [`BoxMap`] rounds them to `f32` and adds a slack for its own
+//! All maps are computed in `f64` with a bound on their error. [`BoxMap`](super::BoxMap) rounds them to `f32` and adds a slack for its own
 //! roundings. `docs/numerics.md` derives both bounds.
 
 use glam::{DMat3, DVec3};
 
+use super::WorldFromModel;
 use super::rounding::U64;
-use super::{BoxMap, WorldFromModel};
 
 /// An affine map from a body's model space.
 #[derive(Clone, Copy, Debug, Default)]
@@ -168,20 +168,8 @@ fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
     DMat3::from_cols(first, second, first.cross(second))
 }
 
-/// The map to world space for boxes of a placed body. Mapped boxes contain the body's points as they are placed.
-/// `None` if world coordinates exceed the range of `f32`.
-pub(crate) fn world_map(placed: &PlacedBounds) -> Option<BoxMap> {
-    let error = DVec3::splat(placed.error);
-    BoxMap::new(&to_world(
-        &placed.world_from_model,
-        DVec3::ZERO,
-        placed.magnitude,
-        error,
-    ))
-}
-
 /// The map to world space relative to `origin`, which keeps boxes of small bodies tight far from the world's origin.
-fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, error: DVec3) -> Frame {
+pub(super) fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, error: DVec3) -> Frame {
     let translation = world_from_model.translation() - origin;
     Frame {
         linear: world_from_model.linear(),
@@ -197,15 +185,9 @@ pub(super) fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut
     relative_to(&target.world_from_model, target.error, source, frame)
 }
 
-/// The map from the source's space to the model space of `to`; `None` if there is none that `f32` can represent.
-pub(crate) fn map_into(to: &WorldFromModel, source: &PlacedBounds) -> Option<BoxMap> {
-    let mut frame = Frame::default();
-    let exists = relative_to(to, 0.0, source, &mut frame);
-    exists.then(|| BoxMap::new(&frame)).flatten()
-}
-
+/// Sets `frame` to the map from the source's space to the model space of `to`; returns false if that has no safe inverse.
 #[inline]
-fn relative_to(to: &WorldFromModel, error: f64, source: &PlacedBounds, frame: &mut Frame) -> bool {
+pub(super) fn relative_to(to: &WorldFromModel, error: f64, source: &PlacedBounds, frame: &mut Frame) -> bool {
     let Some(inverse) = to.inverse() else {
         return false;
     };

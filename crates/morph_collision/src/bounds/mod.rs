@@ -23,9 +23,9 @@ mod world_query;
 
 pub use aabb::Aabb;
 pub(crate) use box_lanes::BoxLanes;
-pub(crate) use box_map::BoxMap;
+pub(crate) use box_map::{BoxMap, map_into, world_map};
 pub(crate) use extent::Extent;
-pub(crate) use frame::{Frame, PlacedBounds, map_into, visit_frames, world_map};
+pub(crate) use frame::{Frame, PlacedBounds, visit_frames};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use intervals::{Intervals, intervals_len, push_intervals};
 pub(crate) use joint_map::{Ends, JointMap, MapFrame};

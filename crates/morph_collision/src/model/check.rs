@@ -1,8 +1,10 @@
 //! Checks of a mesh's positions, displacements and triangles.
 
 use super::ModelError;
-use super::morph_model::LARGEST;
 use super::targets::TargetDisplacements;
+
+/// The largest coordinate allowed in a mesh. It leaves room for sums in `f32`, whose range ends near 3.4e38 (docs/numerics.md).
+pub(crate) const LARGEST: f32 = 1e37;
 
 pub(super) fn count(what: &'static str, count: usize, limit: usize) -> Result<(), ModelError> {
     if count > limit {

@@ -13,9 +13,9 @@ mod weights;
 mod weld;
 
 pub use bad_parts::BadParts;
+pub(crate) use check::LARGEST;
 pub(crate) use displacement::Displacement;
 pub use error::ModelError;
-pub(crate) use morph_model::LARGEST;
 pub use morph_model::MorphModel;
 pub use skin::Influences;
 pub(crate) use skin::{Influence, Skin, sum_rounding};

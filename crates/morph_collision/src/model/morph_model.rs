@@ -12,9 +12,6 @@ use super::weld::{Welded, weld};
 use super::{Displacement, ModelError, Weights, check};
 use crate::hash::{START, hash};
 
-/// The largest coordinate allowed in a mesh. It leaves room for sums in `f32`, whose range ends near 3.4e38 (docs/numerics.md).
-pub(crate) const LARGEST: f32 = 1e37;
-
 /// A triangle mesh with morph targets, and with joints if it is skinned. It is immutable and shared by all instances.
 ///
 /// Vertices with equal positions, displacements and influences are welded. The vertices you pass in are the *source* vertices;

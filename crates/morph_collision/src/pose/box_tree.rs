@@ -2,10 +2,10 @@
 
 use fearless_simd::Level;
 
-use super::posed::{NodeId, NodeRef, Posed};
+use super::posed::{NodeRef, Posed};
 use super::posed_skin::FrameBoxes;
 use crate::bounds::{Aabb, BoxLanes, Frame, MovingLanes, PlacedBounds};
-use crate::tree::Topology;
+use crate::tree::{NodeId, Topology};
 
 /// A tree with a box for every node: those of a pose, or those of a body that moves from one pose to another.
 pub(crate) trait BoxTree {
@@ -50,10 +50,7 @@ pub(crate) trait BoxTree {
         NodeRef {
             child: self.topology().group(group).child(lane),
             slot: slot as u32,
-            id: NodeId {
-                group: group as u32,
-                lane: lane as u8,
-            },
+            id: NodeId::new(group, lane),
         }
     }
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use glam::{Vec3, Vec3A};
 
 use super::cache::EpochCache;
+use super::placed_body::PlacedBody;
 use super::posed::{Blended, Posed, Scratch};
-use super::posed_skin::SkinTree;
+use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
-use super::standing::Standing;
 use super::weights::{self, WeightsError};
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
 use crate::input_error::InputError;
@@ -44,7 +44,7 @@ pub struct Pose {
     vertices: EpochCache<Vec3A>,
     /// For a skinned mesh: the map from the space of its boxes to world space, and the state of its joints.
     pub(super) skinning: Option<(WorldFromModel, Skinning)>,
-    standing: Standing,
+    placed_body: PlacedBody,
     blended: Blended,
     scratch: Scratch,
 }
@@ -68,7 +68,7 @@ impl Pose {
             } else {
                 bvh.model().vertex_count()
             }),
-            standing: Standing::default(),
+            placed_body: PlacedBody::default(),
             blended: Blended::default(),
             scratch: Scratch::default(),
             skinning,
@@ -115,7 +115,7 @@ impl Pose {
         if weights_changed {
             self.vertices.next_epoch();
         }
-        self.standing.forget();
+        self.placed_body.invalidate();
         self.is_refitted = false;
         if let (Some((place, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
             let tree = SkinTree {
@@ -153,7 +153,7 @@ impl Pose {
     /// Cost: `O(n)`. Every vertex is blended and every box fitted.
     pub fn refit(&mut self) {
         self.is_refitted = true;
-        self.standing.forget();
+        self.placed_body.invalidate();
         self.posed().refit();
     }
 
@@ -295,7 +295,7 @@ impl Pose {
             weights: &self.weights,
             boxes: &mut self.boxes,
             vertices: &mut self.vertices,
-            standing: &mut self.standing,
+            placed_body: &mut self.placed_body,
             blended: &mut self.blended,
             scratch: &mut self.scratch,
             level: self.bvh.kernel().level,

@@ -1,31 +1,20 @@
 use fearless_simd::{Level, Simd};
 use glam::{DVec3, Vec3, Vec3A};
 
-use super::blend::{blend_group, blend_patch, max_widening};
+use super::blend::{blend_group, blend_patch};
 use super::cache::EpochCache;
+use super::placed_body::PlacedBody;
 use super::skinning::Skinning;
-use super::standing::Standing;
-use crate::bounds::{Aabb, BoxLanes, BoxMap, LANES, WorldFromModel, map_into, with_simd, world_map};
+use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
 use crate::exact::Triangle;
 use crate::model::{MorphModel, Weights};
-use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, gather};
+use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, NodeId, SkinTables, Tables, Topology, gather};
 
 /// The numbers of boxes and vertices that a pose has blended since it was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Blended {
     pub(crate) volumes: u64,
     pub(crate) vertices: u64,
-}
-
-/// A node, named by its group and lane. It names the same node in every pose of the tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct NodeId {
-    pub(crate) group: u32,
-    pub(crate) lane: u8,
-}
-
-impl NodeId {
-    pub(crate) const ROOT: Self = Self { group: 0, lane: 0 };
 }
 
 /// A node as used by traversals: its id, its child entry, and the slot of its box in the pose's cache.
@@ -52,7 +41,7 @@ pub(crate) struct Posed<'a> {
     pub(super) weights: &'a Weights,
     pub(super) boxes: &'a mut EpochCache<BoxLanes>,
     pub(super) vertices: &'a mut EpochCache<Vec3A>,
-    pub(super) standing: &'a mut Standing,
+    pub(super) placed_body: &'a mut PlacedBody,
     pub(super) blended: &'a mut Blended,
     pub(super) scratch: &'a mut Scratch,
     /// The SIMD level of the kernels.
@@ -112,64 +101,12 @@ impl Posed<'_> {
         self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
     }
 
-    /// The group of the root's children, or the root's own group if the root is a leaf.
-    pub(super) fn top_group(&self) -> usize {
-        match self.topology.group(0).child(0).kind() {
-            ChildKind::Group(group) => group,
-            ChildKind::Leaf(_) => 0,
-        }
-    }
-
-    /// Whether the boxes that the body's bounds are computed from are cached.
-    pub(super) fn is_top_open(&self) -> bool {
-        self.is_open(self.top_group())
-    }
-
-    /// The slot and the number of the top group's children.
-    fn top(&mut self) -> (usize, usize) {
-        let group = self.top_group();
-        (self.open(group), self.topology.group(group).children().len())
-    }
-
-    /// A box around the posed mesh in model space: the hull of the root's children, which is tighter than the root's box.
-    pub(crate) fn bounds(&mut self) -> Aabb {
-        let (slot, children) = self.top();
-        with_simd!(self.level, simd => self.boxes(slot).hull(simd, children))
-    }
-
-    /// A box in world space; infinite if coordinates exceed the range of `f32`.
-    pub(super) fn world_bounds(&mut self) -> Aabb {
-        let map = world_map(&self.stand().placed);
-        self.mapped_bounds(map)
-    }
-
-    /// A box in the model space of `space` around the points that are placed in the world; infinite if `space` cannot be inverted.
-    pub(super) fn bounds_in(&mut self, space: &WorldFromModel) -> Aabb {
-        let map = map_into(space, &self.stand().placed);
-        self.mapped_bounds(map)
-    }
-
-    fn mapped_bounds(&mut self, map: Option<BoxMap>) -> Aabb {
-        let Some(map) = map else {
-            return Aabb::UNBOUNDED;
-        };
-        let (slot, children) = self.top();
-        let mut mapped = BoxLanes::default();
-        with_simd!(self.level, simd => {
-            map.all(simd, self.boxes(slot), &mut mapped);
-            mapped.hull(simd, children)
-        })
-    }
-
     #[inline(always)]
     pub(crate) fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
         NodeRef {
             child: self.topology.group(group).child(lane),
             slot: slot as u32,
-            id: NodeId {
-                group: group as u32,
-                lane: lane as u8,
-            },
+            id: NodeId::new(group, lane),
         }
     }
 
@@ -250,22 +187,6 @@ impl Posed<'_> {
         let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
         gather(simd, triangles, &points, corners);
         self.scratch.points = points;
-    }
-
-    /// By how much boxes may be widened for rounding if the posed mesh is much smaller than the base; otherwise 0.
-    ///
-    /// `size` is the size of the posed mesh. docs/numerics.md, "Collapsed bodies", says why 0 is right for larger meshes.
-    #[inline]
-    pub(crate) fn rounding(&self, size: f32) -> f32 {
-        if self.is_skinned() {
-            return self.top_widening();
-        }
-        // Not measured; it only saves ordinary bodies the pass over the targets.
-        const MUCH: f32 = 512.0;
-        if size * MUCH > self.model.base_reach() {
-            return 0.0;
-        }
-        max_widening(self.model, self.weights)
     }
 
     /// Replaces all cached boxes with tight ones, fitted from the leaves up. Cost: `O(n)`.

@@ -35,7 +35,7 @@ impl Posed<'_> {
     pub(crate) fn placed(&mut self) -> PlacedBounds {
         match &self.skin {
             Some((_, skinning)) if self.first_group() > 0 => skinning.placed(BODY_FRAME),
-            _ => self.stand().placed,
+            _ => self.placed_body().placed,
         }
     }
 

@@ -1,21 +1,12 @@
 //! Traversals' access to a skinned mesh's pose: its boxes are kept in the spaces of joints, and joints place its vertices.
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Simd;
 use glam::DVec3;
 
-use super::posed::{NodeId, Posed};
+use super::posed::Posed;
+use super::skin_tree::SkinTree;
 use crate::bounds::{Aabb, BoxLanes, Extent, Frame, PlacedBounds, WorldFromModel, with_simd};
-use crate::model::{MorphModel, Weights};
-use crate::tree::{BODY_FRAME, ChildKind, Leaf, SkinTables};
-
-/// The parts of the tree and the pose that [`Skinning`](super::skinning::Skinning) needs.
-#[derive(Clone, Copy)]
-pub(super) struct SkinTree<'a> {
-    pub(super) model: &'a MorphModel,
-    pub(super) skin: &'a SkinTables,
-    pub(super) weights: &'a Weights,
-    pub(super) level: Level,
-}
+use crate::tree::{BODY_FRAME, ChildKind, Leaf, NodeId};
 
 /// Boxes in the space of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -115,7 +106,7 @@ impl<'a> Posed<'a> {
     pub(crate) fn placed_space(&mut self, space: usize) -> PlacedBounds {
         match &self.skin {
             Some((_, skinning)) if space != BODY_FRAME => skinning.placed(space),
-            _ => self.stand().placed,
+            _ => self.placed_body().placed,
         }
     }
 

@@ -197,7 +197,7 @@ fn debug_output_has_counts_and_no_mesh() {
 #[test]
 fn a_body_stands_where_its_last_weights_and_boxes_are() {
     let mut pose = lifted_triangle();
-    let bounds = |pose: &mut Pose| pose.posed().stand().bounds;
+    let bounds = |pose: &mut Pose| pose.posed().placed_body().bounds;
     let low = bounds(&mut pose);
     pose.set_weights(&[2.0, 0.0]).unwrap();
     let high = bounds(&mut pose);
@@ -218,7 +218,7 @@ fn a_standing_body_has_the_size_and_the_slack_of_its_place() {
         (Vec3::splat(0.5), 0.5),
     ] {
         let place = place(scale);
-        let found = pose.posed_at(&place).stand().size;
+        let found = pose.posed_at(&place).placed_body().size;
         assert!((found / size - 1.0).abs() < 1e-5, "{found}, {size}");
     }
     // Taller than wide: a triangle twice as high along y, and sides along z.
@@ -228,7 +228,7 @@ fn a_standing_body_has_the_size_and_the_slack_of_its_place() {
     let mut tall = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
     for (scale, size) in [(Vec3::new(1.0, 10.0, 1.0), 20.0), (Vec3::new(1.0, 1.0, 10.0), 40.0)] {
         let place = place(scale);
-        let found = tall.posed_at(&place).stand().size;
+        let found = tall.posed_at(&place).placed_body().size;
         assert!((found / size - 1.0).abs() < 1e-5, "{found}, {size}");
     }
     // All corners in one place: rounding is all that boxes hold.
@@ -239,12 +239,12 @@ fn a_standing_body_has_the_size_and_the_slack_of_its_place() {
     for scale in [1.0, 1000.0] {
         let place = place(Vec3::splat(scale as f32));
         let mut posed = point.posed_at(&place);
-        let standing = posed.stand();
-        let slack = standing.placed.error() + rounding * scale;
+        let placed_body = posed.placed_body();
+        let slack = placed_body.placed.error() + rounding * scale;
         assert!(
-            (1.0..1.001).contains(&(standing.slack / slack)),
+            (1.0..1.001).contains(&(placed_body.slack / slack)),
             "{}, {slack}",
-            standing.slack
+            placed_body.slack
         );
     }
 }

@@ -28,6 +28,7 @@ mod nodes;
 mod outcome;
 mod pair;
 mod rounding;
+mod run;
 mod self_proof;
 mod walk;
 

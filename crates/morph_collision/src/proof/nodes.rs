@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::rounding::{least, vertex_error};
 use crate::bounds::Extent;
 use crate::model::{MorphModel, WeightBox};
-use crate::tree::{Child, ChildKind, Topology};
+use crate::tree::{Child, ChildKind, NodeId, Topology};
 
 /// A node: its box at the base, and boxes around the displacements of the targets that move it.
 #[derive(Clone, Debug)]
@@ -23,13 +23,6 @@ pub(super) struct NodeMotion {
 pub(super) struct NodeMotions {
     /// By group and lane, in the order of the groups.
     groups: Vec<Vec<NodeMotion>>,
-}
-
-/// A node, as a child of a group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Node {
-    pub(super) group: u32,
-    pub(super) lane: u8,
 }
 
 impl NodeMotions {
@@ -62,12 +55,12 @@ impl NodeMotions {
         Self { groups }
     }
 
-    pub(super) fn get(&self, node: Node) -> &NodeMotion {
+    pub(super) fn get(&self, node: NodeId) -> &NodeMotion {
         &self.groups[node.group as usize][usize::from(node.lane)]
     }
 
     /// Whether no vertices of two nodes' triangles, nor anything between them, can meet for any weights in the box.
-    pub(super) fn are_apart(&self, a: Node, b: Node, weights: &WeightBox) -> bool {
+    pub(super) fn are_apart(&self, a: NodeId, b: NodeId, weights: &WeightBox) -> bool {
         let (a, b) = (self.get(a), self.get(b));
         let between = b.centre() - a.centre();
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * if axis.dot(between) < 0.0 { -1.0 } else { 1.0 });

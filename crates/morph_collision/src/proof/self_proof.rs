@@ -1,12 +1,11 @@
 use std::sync::Arc;
 
-use super::nodes::{Node, NodeMotions};
-use super::outcome::{Effort, ProofOutcome};
-use super::walk::Walk;
+use super::nodes::NodeMotions;
+use super::outcome::Effort;
 use crate::InputError;
 use crate::hash::hash;
 use crate::model::WeightBox;
-use crate::tree::{Area, ChildKind, Leaf, MorphBvh, OpenPairs, SelfCertificates};
+use crate::tree::{ChildKind, Leaf, MorphBvh, NodeId};
 
 /// A proof has at least this many parts, if the mesh is large enough.
 const PARTS: usize = 256;
@@ -48,11 +47,11 @@ pub struct SelfProof {
     pub(super) start: Vec<f32>,
     pub(super) effort: Effort,
     pub(super) nodes: NodeMotions,
-    parts: Vec<[Node; 2]>,
+    pub(super) parts: Vec<[NodeId; 2]>,
     /// How many pairs of patches that are open a part remembers.
     pub(super) most_open: usize,
     /// The same for all proofs about the same tree and box.
-    key: u64,
+    pub(super) key: u64,
 }
 
 impl SelfProof {
@@ -96,90 +95,9 @@ impl SelfProof {
         self.parts.len()
     }
 
-    /// Runs one part; nothing if there is no such part.
-    #[must_use]
-    pub fn run_part(&self, part: usize) -> ProofOutcome {
-        let mut outcome = ProofOutcome::default();
-        if let Some(&pair) = self.parts.get(part) {
-            outcome.parts.push(part);
-            outcome.proof = Some(self.key);
-            let is_spent = Walk::new(self, &mut outcome).run(pair);
-            if is_spent || outcome.open.patches.len() >= self.most_open {
-                outcome.open = OpenPairs {
-                    patches: Vec::new(),
-                    areas: vec![self.area(pair)],
-                };
-            }
-        }
-        outcome
-    }
-
-    /// Runs all parts, one after the other.
-    #[must_use]
-    pub fn run(&self) -> ProofOutcome {
-        let mut outcome = ProofOutcome::default();
-        for part in 0..self.parts() {
-            outcome.join(self.run_part(part));
-        }
-        outcome
-    }
-
-    /// What queries may leave out while the weights are in the box of this proof. `outcome` is that of all parts.
-    ///
-    /// ```
-    /// # use std::sync::Arc;
-    /// # use morph_collision::proof::{Effort, SelfProof, WeightBox};
-    /// # use morph_collision::{BuildOptions, MorphBvh, MorphModel, Pose, SelfQuery};
-    /// # use glam::Vec3;
-    /// # let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z + Vec3::Y];
-    /// # let lower = [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Z, Vec3::NEG_Z, Vec3::NEG_Z];
-    /// # let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[lower])?;
-    /// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
-    /// // Once per mesh; `bvh.layout()` stores them.
-    /// let proof = SelfProof::new(&bvh, &WeightBox::new(&[0.0], &[0.9])?, Effort::light())?;
-    /// bvh.set_certificates(proof.certificates(&proof.run())?)?;
-    /// // All triangles are proved apart, so there is nothing to do.
-    /// let mut pose = Pose::new(bvh);
-    /// let mut query = SelfQuery::new();
-    /// pose.set_weights(&[0.8])?;
-    /// assert!(!query.any(&mut pose));
-    /// assert_eq!(query.stats().nodes_blended, 0);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A part is missing or was joined twice, or the outcome is of another tree or box.
-    pub fn certificates(&self, outcome: &ProofOutcome) -> Result<SelfCertificates, InputError> {
-        if outcome.is_mixed || outcome.proof.is_some_and(|proof| proof != self.key) {
-            return Err(InputError::DifferentTrees {
-                what: "a proof and all parts of its outcome".to_owned(),
-            });
-        }
-        let mut parts = outcome.parts.clone();
-        parts.sort_unstable();
-        parts.dedup();
-        if parts.len() != self.parts() || parts.len() != outcome.parts.len() {
-            return Err(InputError::WrongCount {
-                what: format!("parts of the proof ({} different ones)", parts.len()),
-                given: outcome.parts.len(),
-                expected: self.parts(),
-            });
-        }
-        Ok(SelfCertificates::new(&self.bvh, self.weights.clone(), &outcome.open))
-    }
-
-    /// The leaves below two nodes.
-    fn area(&self, nodes: [Node; 2]) -> Area {
-        let topology = &self.bvh.topology;
-        nodes.map(|node| {
-            let child = topology.group(node.group as usize).child(usize::from(node.lane));
-            topology.leaves_below(child).map(|leaf| leaf.0 as u32)
-        })
-    }
-
     /// Cuts the pair of the root and itself into parts.
-    fn cut(&self) -> Vec<[Node; 2]> {
-        let mut parts = vec![[Node { group: 0, lane: 0 }; 2]];
+    fn cut(&self) -> Vec<[NodeId; 2]> {
+        let mut parts = vec![[NodeId::ROOT; 2]];
         loop {
             let mut finer = Vec::with_capacity(parts.len() * 4);
             for &pair in &parts {
@@ -196,21 +114,16 @@ impl SelfProof {
     }
 
     /// Visits the pairs of nodes below a pair. Returns false if both are leaves.
-    pub(super) fn open(&self, [a, b]: [Node; 2], mut visit: impl FnMut([Node; 2])) -> bool {
-        let children = |node: Node| {
+    pub(super) fn open(&self, [a, b]: [NodeId; 2], mut visit: impl FnMut([NodeId; 2])) -> bool {
+        let children = |node: NodeId| {
             let lanes = match self.kind(node) {
                 ChildKind::Group(group) => Some((group, self.bvh.topology.group(group).children().len())),
                 ChildKind::Leaf(_) => None,
             };
-            lanes.map(|(group, lanes)| {
-                (0..lanes).map(move |lane| Node {
-                    group: group as u32,
-                    lane: lane as u8,
-                })
-            })
+            lanes.map(|(group, lanes)| (0..lanes).map(move |lane| NodeId::new(group, lane)))
         };
         let (of_a, of_b) = (children(a), children(b));
-        let size = |node: Node| self.nodes.get(node).triangles;
+        let size = |node: NodeId| self.nodes.get(node).triangles;
         match (of_a, of_b) {
             (None, None) => return false,
             (Some(of_a), Some(_)) if a == b => {
@@ -227,12 +140,8 @@ impl SelfProof {
         true
     }
 
-    pub(super) fn kind(&self, node: Node) -> ChildKind {
-        self.bvh
-            .topology
-            .group(node.group as usize)
-            .child(usize::from(node.lane))
-            .kind()
+    pub(super) fn kind(&self, node: NodeId) -> ChildKind {
+        node.child(&self.bvh.topology).kind()
     }
 }
 
@@ -245,47 +154,4 @@ fn key(bvh: &MorphBvh, weights: &WeightBox) -> u64 {
     let ends = intervals.flatten().map(|end| u64::from(end.to_bits()));
     let all = triangles.chain(leaves).chain(ends);
     hash(bvh.model().fingerprint(), all)
-}
-
-#[cfg(test)]
-mod tests {
-    use morph_collision_testkit::models::random::random_blob;
-
-    use super::*;
-    use crate::model::MorphModel;
-    use crate::pose::Pose;
-    use crate::query::SelfQuery;
-    use crate::tree::BuildOptions;
-
-    #[test]
-    fn a_part_with_too_much_that_is_open_counts_as_open() {
-        let blob = random_blob(7, 3, 3, 0.9);
-        let model = MorphModel::from_displacements(&blob.positions, &blob.triangles, &blob.targets).unwrap();
-        let model = Arc::new(model);
-        let mut answers = Vec::new();
-        for most_open in [usize::MAX, 4, 0] {
-            let bvh = Arc::new(MorphBvh::build(model.clone(), &BuildOptions::default()));
-            let mut proof = SelfProof::new(&bvh, &WeightBox::unit(3), Effort::default()).unwrap();
-            proof.most_open = most_open;
-            let outcome = proof.run();
-            let has_areas = !outcome.open.areas.is_empty();
-            assert_eq!(has_areas, most_open < usize::MAX);
-            bvh.set_certificates(proof.certificates(&outcome).unwrap()).unwrap();
-            let (mut pose, mut query, mut pairs) = (Pose::new(bvh), SelfQuery::new(), Vec::new());
-            let mut work = Vec::new();
-            for weights in [[0.1, 0.9, 0.5], [1.0, 1.0, 1.0], [0.7, 0.0, 0.8]] {
-                pose.set_weights(&weights).unwrap();
-                query.all(&mut pose, &mut pairs);
-                work.push(query.stats().triangle_tests);
-            }
-            answers.push((pairs, work));
-        }
-        assert!(!answers[0].0.is_empty());
-        assert!(answers.iter().all(|(pairs, _)| *pairs == answers[0].0));
-        let (with, without) = (&answers[0].1, &answers[2].1);
-        assert!(
-            with.iter().zip(without).all(|(few, many)| few < many),
-            "{with:?} {without:?}"
-        );
-    }
 }

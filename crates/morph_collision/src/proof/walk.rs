@@ -1,13 +1,12 @@
 //! The walk of one part of a proof: over pairs of nodes, and at leaves over pairs of triangles.
 
 use super::branch::{Branches, Decision};
-use super::nodes::Node;
 use super::outcome::{ProofOutcome, Witness};
 use super::pair::{Pair, TriangleMotion};
 use super::self_proof::SelfProof;
 use crate::bounds::LANES;
 use crate::query::TrianglePair;
-use crate::tree::{ChildKind, Leaf, PatchPair};
+use crate::tree::{ChildKind, Leaf, NodeId, PatchPair};
 
 /// The run of one part.
 pub(super) struct Walk<'a> {
@@ -40,7 +39,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns whether the steps were used up.
-    pub(super) fn run(mut self, pair: [Node; 2]) -> bool {
+    pub(super) fn run(mut self, pair: [NodeId; 2]) -> bool {
         let proof = self.proof;
         let (mut stack, mut is_spent) = (vec![pair], false);
         while let Some([a, b]) = stack.pop() {

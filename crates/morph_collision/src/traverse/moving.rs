@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::mapping::Mapping;
 use crate::bounds::{Aabb, BoxLanes, MovingLanes, PlacedBounds, WorldFromModel, with_simd};
-use crate::pose::{BoxTree, EpochCache, Posed, Standing};
+use crate::pose::{BoxTree, EpochCache, PlacedBody, Posed};
 use crate::tree::Topology;
 
 /// The boxes that a query has computed for a moving body. The next query reuses the memory.
@@ -34,7 +34,7 @@ pub(crate) struct Moving<'m, 'p> {
     /// The poses at the start and at the end.
     pub(crate) ends: [Posed<'p>; 2],
     moving: &'m mut MovingBoxes,
-    standing: Standing,
+    placed_body: PlacedBody,
     /// The boxes of the root at the start and at the end.
     root: [Aabb; 2],
     /// The body's size and the slack for rounding at the start and at the end, in world units.
@@ -46,7 +46,7 @@ impl<'m, 'p> Moving<'m, 'p> {
     ///
     /// If `within`, boxes also allow for the rounding of placed vertices, because they are compared with boxes of the same body.
     pub(crate) fn new(mut ends: [Posed<'p>; 2], drift: DVec3, moving: &'m mut MovingBoxes, within: bool) -> Self {
-        let [start, end] = ends.each_mut().map(|end| end.stand().clone());
+        let [start, end] = ends.each_mut().map(|end| end.placed_body().clone());
         let place = start.placed.world_from_model();
         // Boxes of a body that is flat in the world are kept along the world's axes instead.
         let is_own = place.is_well_conditioned();
@@ -89,15 +89,15 @@ impl<'m, 'p> Moving<'m, 'p> {
             let of = [&start, &end][i];
             (of.size, of.slack.max(f64::from(rounding) * space.scale()))
         });
-        let mut standing = start;
-        standing.is_skinned = false; // Boxes of the whole body are in one space.
-        standing.size = standing.size.max(end.size);
-        standing.slack += end.slack;
-        (standing.bounds, standing.placed) = (bounds, placed);
+        let mut placed_body = start;
+        placed_body.is_skinned = false; // Boxes of the whole body are in one space.
+        placed_body.size = placed_body.size.max(end.size);
+        placed_body.slack += end.slack;
+        (placed_body.bounds, placed_body.placed) = (bounds, placed);
         Self {
             ends,
             moving,
-            standing,
+            placed_body,
             root,
             resolution,
         }
@@ -110,8 +110,8 @@ impl<'m, 'p> Moving<'m, 'p> {
     }
 
     /// What queries about two bodies need to know of it. Its bounds contain the whole motion.
-    pub(crate) fn standing(&self) -> &Standing {
-        &self.standing
+    pub(crate) fn placed_body(&self) -> &PlacedBody {
+        &self.placed_body
     }
 
     #[inline(never)]
@@ -121,7 +121,7 @@ impl<'m, 'p> Moving<'m, 'p> {
         let MovingGroup { ends, hull } = groups.get_mut(slot);
         if group == 0 {
             ends.set(0, &self.root);
-            hull.set(0, &self.standing.bounds);
+            hull.set(0, &self.placed_body.bounds);
             return slot;
         }
         let [start, end] = &mut self.ends;
@@ -167,13 +167,13 @@ impl BoxTree for Moving<'_, '_> {
     }
 
     fn placed_space(&mut self, _space: usize) -> PlacedBounds {
-        self.standing.placed
+        self.placed_body.placed
     }
 }
 
 /// The middle of a body's bounds in the world, to tell how far it moves as a whole.
-pub(crate) fn middle(standing: &Standing) -> DVec3 {
-    let Standing { bounds, placed, .. } = standing;
+pub(crate) fn middle(placed_body: &PlacedBody) -> DVec3 {
+    let PlacedBody { bounds, placed, .. } = placed_body;
     let middle = placed.world_from_model().transform_point(bounds.center());
     if middle.is_finite() { middle } else { DVec3::ZERO }
 }

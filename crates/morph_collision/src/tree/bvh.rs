@@ -1,11 +1,11 @@
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use super::{
-    BuildOptions, Child, ChildKind, LeafLanes, Owners, SelfCertificates, SelfFront, SkinTables, Tables, Topology,
-};
+use super::certificates::{OpenPairs, SelfCertificates};
+use super::{BuildOptions, Child, ChildKind, LeafLanes, Owners, SelfFront, SkinTables, Tables, Topology};
 use crate::bounds::Kernel;
-use crate::model::MorphModel;
+use crate::input_error::InputError;
+use crate::model::{MorphModel, WeightBox};
 
 /// A bounding volume hierarchy over a [`MorphModel`], valid for all weights. It is immutable and shared by all instances of the
 /// mesh.
@@ -98,7 +98,41 @@ impl MorphBvh {
 
     /// Where walks over the tree and itself start. Computed on first use: `O(n log n)`.
     pub(crate) fn self_front(&self) -> &SelfFront {
-        self.self_front.get_or_init(|| SelfFront::new(self))
+        self.self_front
+            .get_or_init(|| SelfFront::new(&self.model, &self.topology))
+    }
+
+    /// Makes every [`SelfQuery`](crate::SelfQuery) of this tree and its clones use certificates. Returns false if the tree has some already,
+    /// which stay.
+    ///
+    /// # Errors
+    /// They are of another tree. Trees that are built twice from the same mesh are different trees.
+    pub fn set_certificates(&self, certificates: SelfCertificates) -> Result<bool, InputError> {
+        if !Arc::ptr_eq(&self.topology, &certificates.topology) {
+            return Err(InputError::DifferentTrees {
+                what: "a tree and its certificates".to_owned(),
+            });
+        }
+        Ok(self.certificates.set(certificates).is_ok())
+    }
+
+    /// The certificates of this tree.
+    #[must_use]
+    pub fn certificates(&self) -> Option<&SelfCertificates> {
+        self.certificates.get()
+    }
+
+    /// Where walks over the tree and itself start that look for pairs of triangles, for these weights.
+    pub(crate) fn self_front_for(&self, weights: &[f32]) -> &SelfFront {
+        match self.certificates.get() {
+            Some(certificates) if certificates.weights.contains(weights) => &certificates.front,
+            _ => self.self_front(),
+        }
+    }
+
+    /// Certificates for weights in a box. `open` has all pairs of triangles that share no vertex and are not proved free.
+    pub(crate) fn self_certificates(&self, weights: WeightBox, open: &OpenPairs) -> SelfCertificates {
+        SelfCertificates::new(&self.topology, self.self_front(), weights, open)
     }
 
     /// Cuts the mesh into parts of nearby triangles: the largest subtrees with at most `max_triangles` triangles. Every triangle is

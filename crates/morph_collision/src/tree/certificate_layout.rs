@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::adjacency::{PatchPair, unrelated};
 use super::certificates::SelfCertificates;
-use super::layout::LayoutError;
-use super::self_front::{Apart, Place, SelfFront};
+use super::layout_error::LayoutError;
+use super::self_front::{Apart, SelfFront};
+use super::topology::NodeId;
 use super::{Leaf, MorphBvh, Topology};
 use crate::bounds::{LANES, lanes_of};
 use crate::hash::{START, hash};
@@ -150,7 +151,7 @@ fn apart(topology: &Topology, (node, lane, group, mask): (u32, u8, u32, u8)) -> 
         let below = child(group, lane).map(|other| topology.leaves_below(other));
         below.is_some_and(|[from, to]| to.0 < first.0 || last.0 < from.0)
     });
-    let node = Place { group: node, lane };
+    let node = NodeId { group: node, lane };
     are_apart.then(|| Apart::new(node, group as usize, mask))?
 }
 

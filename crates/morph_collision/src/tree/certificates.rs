@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use super::adjacency::PatchPair;
 use super::self_front::{Apart, SelfFront};
-use super::topology::Child;
-use super::{MorphBvh, Topology};
+use super::topology::{Child, Topology};
+
 use crate::bounds::lanes_of;
-use crate::input_error::InputError;
 use crate::model::WeightBox;
 
 /// Which pairs of a mesh's triangles are proved never to touch for any weights in a box.
@@ -17,7 +16,7 @@ use crate::model::WeightBox;
 /// most leaves of the tree are not even blended. With any weight outside the box, also one that overshoots by a rounding, it works as without
 /// certificates, so choose a box with a margin if weights may overshoot.
 ///
-/// Made by [`SelfProof::certificates`](crate::proof::SelfProof::certificates), given to a tree by [`MorphBvh::set_certificates`], and stored
+/// Made by [`SelfProof::certificates`](crate::proof::SelfProof::certificates), given to a tree by [`MorphBvh::set_certificates`](crate::MorphBvh::set_certificates), and stored
 /// with its [`TreeLayout`](crate::TreeLayout).
 #[derive(Clone)]
 pub struct SelfCertificates {
@@ -43,11 +42,11 @@ pub(crate) type Area = [Leaves; 2];
 
 impl SelfCertificates {
     /// `open` has all pairs of triangles that share no vertex and are not proved free.
-    pub(crate) fn new(bvh: &MorphBvh, weights: WeightBox, open: &OpenPairs) -> Self {
+    pub(super) fn new(topology: &Arc<Topology>, whole: &SelfFront, weights: WeightBox, open: &OpenPairs) -> Self {
         Self {
             weights,
-            topology: Arc::clone(&bvh.topology),
-            front: front(bvh, open),
+            topology: Arc::clone(topology),
+            front: open_front(topology, whole, open),
         }
     }
 
@@ -74,39 +73,8 @@ impl fmt::Debug for SelfCertificates {
     }
 }
 
-impl MorphBvh {
-    /// Makes every [`SelfQuery`](crate::SelfQuery) of this tree and its clones use certificates. Returns false if the tree has some already,
-    /// which stay.
-    ///
-    /// # Errors
-    /// They are of another tree. Trees that are built twice from the same mesh are different trees.
-    pub fn set_certificates(&self, certificates: SelfCertificates) -> Result<bool, InputError> {
-        if !Arc::ptr_eq(&self.topology, &certificates.topology) {
-            return Err(InputError::DifferentTrees {
-                what: "a tree and its certificates".to_owned(),
-            });
-        }
-        Ok(self.certificates.set(certificates).is_ok())
-    }
-
-    /// The certificates of this tree.
-    #[must_use]
-    pub fn certificates(&self) -> Option<&SelfCertificates> {
-        self.certificates.get()
-    }
-
-    /// Where walks over the tree and itself start that look for pairs of triangles, for these weights.
-    pub(crate) fn self_front_for(&self, weights: &[f32]) -> &SelfFront {
-        match self.certificates.get() {
-            Some(certificates) if certificates.weights.contains(weights) => &certificates.front,
-            _ => self.self_front(),
-        }
-    }
-}
-
-/// What is open of the tree's front.
-fn front(bvh: &MorphBvh, open: &OpenPairs) -> SelfFront {
-    let (whole, topology) = (bvh.self_front(), &bvh.topology);
+/// What is open of a tree's front.
+fn open_front(topology: &Topology, whole: &SelfFront, open: &OpenPairs) -> SelfFront {
     let index = OpenIndex::new(open);
     let open_neighbours = |pair: &PatchPair| {
         let unrelated = pair.unrelated & index.mask(pair);
@@ -158,8 +126,8 @@ impl<'a> OpenIndex<'a> {
             return u64::MAX;
         }
         let key = |pair: &PatchPair| (pair.leaves, pair.patches);
-        let place = self.patches.binary_search_by_key(&key(pair), |pair| key(pair));
-        place.map_or(0, |place| self.patches[place].unrelated)
+        let found = self.patches.binary_search_by_key(&key(pair), |pair| key(pair));
+        found.map_or(0, |i| self.patches[i].unrelated)
     }
 
     /// Whether anything between two ranges of leaves is open. They have no leaf in common.

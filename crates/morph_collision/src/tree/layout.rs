@@ -1,18 +1,14 @@
 use std::sync::Arc;
 use std::{fmt, mem};
 
-use thiserror::Error;
-
 use super::budget::{Budget, at_once};
 use super::build::{MAX_DEPTH, Recorded, build_over};
 use super::certificate_layout::CertificateLayout;
+use super::layout_error::{LayoutError, VERSION};
 use super::topology::Child;
 use super::{BuildOptions, ChildKind, MorphBvh};
 use crate::bounds::LANES;
 use crate::model::MorphModel;
-
-/// The version of [`TreeLayout`] that this crate writes and reads.
-const VERSION: u32 = 3;
 
 /// The structure of a tree without its boxes: which triangles each node holds, and the build options. Ship it with your game to
 /// skip splitting at load time. The feature `serde` makes it serialisable.
@@ -46,54 +42,6 @@ pub struct TreeLayout {
     triangles: Vec<u32>,
     #[cfg_attr(feature = "serde", serde(default))]
     certificates: Option<CertificateLayout>,
-}
-
-/// Why a [`TreeLayout`] does not fit a mesh.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum LayoutError {
-    /// The layout was written by another version of this crate.
-    #[error("tree layout has version {found}, this is version {VERSION}")]
-    Version {
-        /// The layout's version.
-        found: u32,
-    },
-    /// The layout was written for another mesh.
-    #[error("tree layout is of another mesh: its fingerprint is {found:016x}, the mesh's is {expected:016x}")]
-    OtherMesh {
-        /// The layout's fingerprint.
-        found: u64,
-        /// The mesh's fingerprint.
-        expected: u64,
-    },
-    /// The layout has fewer or more triangles than the mesh.
-    #[error("tree layout: {found} triangles, the mesh has {expected}")]
-    TriangleCount {
-        /// The number of triangles in the layout.
-        found: usize,
-        /// The number of triangles of the mesh.
-        expected: usize,
-    },
-    /// A triangle is out of range or listed twice.
-    #[error("tree layout: entry {place} of the triangles is {triangle}, which is out of range or there twice")]
-    Triangle {
-        /// Index into the layout's triangles.
-        place: usize,
-        /// The triangle there.
-        triangle: u32,
-    },
-    /// The nodes are not a tree over the triangles.
-    #[error("tree layout: the nodes are no tree over the triangles at entry {place}")]
-    Nodes {
-        /// Index into the layout's nodes.
-        place: usize,
-    },
-    /// The certificates are corrupt.
-    #[error("tree layout: certificates: {what}")]
-    Certificates {
-        /// What is wrong with them.
-        what: &'static str,
-    },
 }
 
 impl TreeLayout {

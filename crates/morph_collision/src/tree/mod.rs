@@ -30,6 +30,7 @@ mod clusters;
 mod extents;
 mod joint_boxes;
 mod layout;
+mod layout_error;
 mod leaf_lanes;
 mod options;
 mod owners;
@@ -47,7 +48,8 @@ pub use bvh::MorphBvh;
 pub use certificates::SelfCertificates;
 pub(crate) use certificates::{Area, OpenPairs};
 pub(crate) use joint_boxes::JointBoxes;
-pub use layout::{LayoutError, TreeLayout};
+pub use layout::TreeLayout;
+pub use layout_error::LayoutError;
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
@@ -57,7 +59,7 @@ pub(crate) use root_children::RootChildren;
 pub(crate) use self_front::{Apart, SelfFront};
 pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
-pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
+pub(crate) use topology::{Child, ChildKind, Leaf, NodeId, Topology};
 
 #[cfg(test)]
 mod builder_tests;

@@ -4,8 +4,8 @@
 //! find the same pairs of leaves again. So these pairs are listed, and walks start at the pairs of nodes below them that share no vertex.
 
 use super::adjacency::{PatchPair, adjacent_leaves, adjacent_patches};
-use super::topology::Child;
-use super::{ChildKind, MorphBvh, Topology};
+use super::topology::{ChildKind, NodeId, Topology};
+use crate::model::MorphModel;
 
 /// The pairs of nodes at which a walk over a tree and itself starts. Every pair of different leaves is below one of them, or listed as
 /// neighbours.
@@ -23,22 +23,14 @@ pub(crate) struct SelfFront {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Apart {
     /// The node, as a child of a group.
-    pub(crate) node: Place,
+    pub(crate) node: NodeId,
     pub(crate) group: u32,
     /// The children, as a bit mask.
     pub(crate) mask: u8,
 }
 
-/// A child of a group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
-    pub(crate) group: u32,
-    pub(crate) lane: u8,
-}
-
 impl SelfFront {
-    pub(super) fn new(bvh: &MorphBvh) -> Self {
-        let (model, topology) = (bvh.model(), &bvh.topology);
+    pub(super) fn new(model: &MorphModel, topology: &Topology) -> Self {
         let (mut leaves, is_complete) = adjacent_leaves(topology, model.vertex_count());
         Self {
             neighbours: adjacent_patches(model, topology, &leaves),
@@ -59,14 +51,14 @@ impl SelfFront {
 
 /// Two nodes, or a node and itself, and the range of the adjacent leaves below them. The leaves of the first node come first in preorder.
 struct Pair {
-    nodes: [Place; 2],
+    nodes: [NodeId; 2],
     adjacent: std::ops::Range<usize>,
 }
 
 /// The topmost pairs of nodes without adjacent leaves. Reorders the adjacent leaves.
 fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
     let mut found = Vec::new();
-    let root = Place { group: 0, lane: 0 };
+    let root = NodeId::ROOT;
     let mut rest = vec![Pair {
         nodes: [root; 2],
         adjacent: 0..adjacent.len(),
@@ -87,7 +79,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
             leaves.sort_unstable_by_key(|&[i, j]| (lane_of(i), lane_of(j)));
             let mut start = range.start;
             for i in 0..siblings.len() {
-                let node = Place::new(group, i);
+                let node = NodeId::new(group, i);
                 let mut mask = 0;
                 for j in i..siblings.len() {
                     let below = leaves[start - range.start..].iter();
@@ -96,7 +88,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
                         mask |= 1 << j;
                     } else {
                         rest.push(Pair {
-                            nodes: [node, Place::new(group, j)],
+                            nodes: [node, NodeId::new(group, j)],
                             adjacent: start..end,
                         });
                     }
@@ -126,7 +118,7 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
             if start == end {
                 mask |= 1 << lane;
             } else {
-                let opened = Place::new(group, lane);
+                let opened = NodeId::new(group, lane);
                 rest.push(Pair {
                     nodes: if opens_a { [opened, node] } else { [node, opened] },
                     adjacent: start..end,
@@ -141,22 +133,9 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
 
 impl Apart {
     /// `None` if there are no children.
-    pub(super) fn new(node: Place, group: usize, mask: u8) -> Option<Self> {
+    pub(super) fn new(node: NodeId, group: usize, mask: u8) -> Option<Self> {
         let group = group as u32;
         (mask != 0).then_some(Self { node, group, mask })
-    }
-}
-
-impl Place {
-    pub(super) fn new(group: usize, lane: usize) -> Self {
-        Self {
-            group: group as u32,
-            lane: lane as u8,
-        }
-    }
-
-    pub(super) fn child(self, topology: &Topology) -> Child {
-        topology.group(self.group as usize).child(usize::from(self.lane))
     }
 }
 
@@ -178,8 +157,7 @@ mod tests {
 
     use super::*;
     use crate::bounds::{LANES, lanes_of};
-    use crate::model::MorphModel;
-    use crate::tree::BuildOptions;
+    use crate::tree::{BuildOptions, MorphBvh};
 
     fn tree(positions: &[Vec3], triangles: &[[u32; 3]], leaf_size: usize) -> MorphBvh {
         let model = MorphModel::from_displacements::<[Vec3; 0]>(positions, triangles, &[]).unwrap();

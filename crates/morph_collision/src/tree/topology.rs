@@ -1,3 +1,5 @@
+//! The nodes of a tree, in preorder, and the triangles and vertices of its leaves.
+
 use std::ops::Range;
 
 use crate::bounds::LANES;
@@ -16,6 +18,28 @@ pub(crate) enum ChildKind {
 /// A leaf, numbered in preorder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Leaf(pub(crate) usize);
+
+/// A node, named by its group and lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NodeId {
+    pub(crate) group: u32,
+    pub(crate) lane: u8,
+}
+
+impl NodeId {
+    pub(crate) const ROOT: Self = Self { group: 0, lane: 0 };
+
+    pub(crate) fn new(group: usize, lane: usize) -> Self {
+        Self {
+            group: group as u32,
+            lane: lane as u8,
+        }
+    }
+
+    pub(crate) fn child(self, topology: &Topology) -> Child {
+        topology.group(self.group as usize).child(usize::from(self.lane))
+    }
+}
 
 impl Child {
     const LEAF: u32 = 1 << 31;

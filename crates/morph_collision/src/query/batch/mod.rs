@@ -15,6 +15,7 @@
 //!
 //! So a worker that has a unit waits at most for a lock around copying weights, and no answer depends on the number of threads.
 
+mod lock;
 mod plan;
 mod query;
 mod schedule;

@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::pose::NodeId;
 use crate::query::{Body, PairMemory, PairQuery, QueryStats};
+use crate::tree::NodeId;
 
 /// How many of two bodies' intersecting triangle pairs to find.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,8 +1,9 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::lock::{locked, unlocked};
 use super::plan::{PairTask, Plan};
-use super::work::{Batch, Worker, locked, unlocked};
+use super::work::{Batch, Worker};
 use super::workers::Workers;
 use crate::query::{Body, QueryStats, TrianglePair};
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-use super::work::locked;
+use super::lock::locked;
 
 /// The remaining units. Two units that lock the same body are never given out at the same time to different workers.
 #[derive(Debug)]

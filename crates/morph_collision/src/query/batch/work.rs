@@ -1,9 +1,10 @@
 //! Workers, which take units of a batch until none is left.
 
 use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::lock::locked;
 use super::plan::{PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
 use crate::pose::Pose;
@@ -35,14 +36,6 @@ pub(super) struct Done {
     pub(super) found: Range<usize>,
     /// Whether there are more.
     pub(super) is_truncated: bool,
-}
-
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-pub(super) fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
-    worker.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A batch in progress.
@@ -133,8 +126,10 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         let (a, b) = (copied(copy_a, a), copied(copy_b, b));
         let before = worker.found.len();
         let mut listed = Capped::new(&mut worker.found, large.limit);
-        let is_continued = worker.large.replace(number) == Some(number);
-        let start = Start::Front(large.front(part), is_continued);
+        let start = Start::Part {
+            front: large.front(part),
+            resume: worker.large.replace(number) == Some(number),
+        };
         worker.query.run(a, b, start, &mut |pair| listed.push(pair));
         let is_truncated = listed.is_truncated;
         worker.stats += worker.query.stats();

@@ -7,11 +7,11 @@ use super::within::Within;
 use crate::bounds::{Aabb, Box64, GapFrame};
 use crate::exact::largest;
 use crate::input_error::{InputError, check_length};
-use crate::pose::{Posed, Standing};
+use crate::pose::{PlacedBody, Posed};
 use crate::query::body::Body;
 use crate::query::leaves::Leaves;
 use crate::query::stats::QueryStats;
-use crate::query::two_bodies::{Collapsed, Placements};
+use crate::query::two_bodies::{Collapsed, PlacedPair};
 use crate::traverse::{NearestStack, walk_nearest};
 
 /// Finds the closest points of two bodies. Keep the query and use it again: it reuses its memory.
@@ -87,14 +87,14 @@ impl DistanceQuery {
     fn run<S: Search>(&mut self, mut a: Body<'_>, mut b: Body<'_>, new: impl FnOnce(bool) -> S) -> S {
         let (a, b) = (&mut a.posed(), &mut b.posed());
         let before = [a.blended(), b.blended()];
-        let placements = Placements {
-            a: a.stand(),
-            b: b.stand(),
+        let pair = PlacedPair {
+            a: a.placed_body(),
+            b: b.placed_body(),
         };
-        let (scale, are_collapsed) = (placements.a_from_b_scale(), placements.are_collapsed());
-        let (placed_a, placed_b) = (&placements.a.placed, &placements.b.placed);
+        let (scale, are_collapsed) = (pair.a_from_b_scale(), pair.are_collapsed());
+        let (placed_a, placed_b) = (&pair.a.placed, &pair.b.placed);
         let mut frames = GapFrame::list(placed_a, placed_b);
-        let are_far = are_far(&frames, &placements);
+        let are_far = are_far(&frames, &pair);
         if are_far {
             // An `f32` rotation is not quite orthogonal: at this distance, the error of lengths in the bodies' own spaces is larger
             // than the bodies.
@@ -143,10 +143,11 @@ fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
 }
 
 /// Whether two bodies are so small compared with their distance that all their triangles are about equally close.
-fn are_far(frames: &[GapFrame], placements: &Placements<'_>) -> bool {
+fn are_far(frames: &[GapFrame], pair: &PlacedPair<'_>) -> bool {
     const FAR: f64 = 1e6;
-    let boxes = [placements.a, placements.b].map(|standing| Box64::of(&standing.bounds));
-    let size = |standing: &Standing, of: &Box64| of.half.element_sum() * standing.placed.world_from_model().scale();
-    let far = 2.0 * FAR * (size(placements.a, &boxes[0]) + size(placements.b, &boxes[1]));
+    let boxes = [pair.a, pair.b].map(|placed_body| Box64::of(&placed_body.bounds));
+    let size =
+        |placed_body: &PlacedBody, of: &Box64| of.half.element_sum() * placed_body.placed.world_from_model().scale();
+    let far = 2.0 * FAR * (size(pair.a, &boxes[0]) + size(pair.b, &boxes[1]));
     far * far <= squared_gap(frames, &boxes[0], &boxes[1])
 }

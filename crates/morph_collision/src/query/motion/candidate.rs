@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
+use super::contact::{Features, MotionContact};
 use super::triangle::MovingTriangle;
-use super::{Features, MotionContact};
-use crate::exact::motion::{FeaturePair, Kind, MovingPoint, StageCounts};
-use crate::query::QueryStats;
+
+use crate::exact::motion::{FeaturePair, Kind, MovingPoint, StageCounts, TimeOfImpact, impact_geometry};
+use crate::query::{QueryStats, TrianglePair};
 
 /// The callback for pairs of features that may touch.
 pub(super) type Test<'t> = dyn FnMut(&Candidate<'_>, &mut QueryStats) -> ControlFlow<()> + 't;
@@ -86,10 +87,10 @@ pub(super) fn within(
 
 /// A pair of features that may touch.
 pub(super) struct Candidate<'t> {
-    pub(super) features: Features,
-    pub(super) pair: FeaturePair,
+    features: Features,
+    pair: FeaturePair,
     /// The triangles that the features are of, in the order of `pair`.
-    pub(super) triangles: [&'t MovingTriangle<'t>; 2],
+    triangles: [&'t MovingTriangle<'t>; 2],
 }
 
 impl<'t> Candidate<'t> {
@@ -155,11 +156,33 @@ impl<'t> Candidate<'t> {
 
     pub(super) fn impact(&self, tolerance: f64, stats: &mut QueryStats) -> Option<MotionContact> {
         let time = counted(stats, |stages| self.pair.impact(tolerance, stages));
-        time.map(|time| MotionContact::new(self, time))
+        time.map(|time| self.contact(time))
+    }
+
+    /// The contact of these features, which begins at this time.
+    fn contact(&self, time: TimeOfImpact) -> MotionContact {
+        let outward = self.outward(time.earliest.midpoint(time.latest));
+        let found = impact_geometry(&self.pair, time, outward);
+        let [a, b] = found.barycentrics;
+        let [first, second] = self.triangles.map(|triangle| triangle.number);
+        // The vertex is the first of the pair.
+        let (side, barycentrics, [triangle_a, triangle_b]) = match self.features {
+            Features::FaceVertex { .. } => (-1.0, [b, a], [second, first]),
+            _ => (1.0, [a, b], [first, second]),
+        };
+        MotionContact {
+            features: self.features,
+            triangles: TrianglePair { triangle_a, triangle_b },
+            time,
+            point: found.point,
+            normal: found.normal * side,
+            velocity: found.velocity * side,
+            barycentrics,
+        }
     }
 
     /// A direction out of the second feature's body and into the first's.
-    pub(super) fn outward(&self, time: f64) -> DVec3 {
+    fn outward(&self, time: f64) -> DVec3 {
         let [first, second] = self.triangles;
         match self.pair.kind {
             Kind::VertexFace => second.outward(time),

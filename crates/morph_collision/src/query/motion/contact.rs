@@ -1,11 +1,10 @@
 use glam::DVec3;
 
-use super::MovingBody;
-use super::candidate::Candidate;
-use crate::TrianglePair;
-use crate::exact::motion::{TimeOfImpact, impact_geometry};
+use super::moving_body::MovingBody;
+use crate::exact::motion::TimeOfImpact;
 use crate::exact::{closest_on_triangle, triangle_contact};
 use crate::query::contact::outward_triangle;
+use crate::query::triangle_pair::TrianglePair;
 
 /// What touches: a vertex and a face, or two edges. Vertices are welded vertices ([`Body::vertex`](crate::Body::vertex)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -70,27 +69,6 @@ pub struct MotionContact {
 }
 
 impl MotionContact {
-    pub(super) fn new(candidate: &Candidate<'_>, time: TimeOfImpact) -> Self {
-        let outward = candidate.outward(time.earliest.midpoint(time.latest));
-        let found = impact_geometry(&candidate.pair, time, outward);
-        let [a, b] = found.barycentrics;
-        let [first, second] = candidate.triangles.map(|triangle| triangle.number);
-        // The vertex is the first of the pair.
-        let (side, barycentrics, [triangle_a, triangle_b]) = match candidate.features {
-            Features::FaceVertex { .. } => (-1.0, [b, a], [second, first]),
-            _ => (1.0, [a, b], [first, second]),
-        };
-        Self {
-            features: candidate.features,
-            triangles: TrianglePair { triangle_a, triangle_b },
-            time,
-            point: found.point,
-            normal: found.normal * side,
-            velocity: found.velocity * side,
-            barycentrics,
-        }
-    }
-
     /// The contact of two triangles that intersect when the motion starts.
     pub(super) fn at_start(pair: TrianglePair, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Self {
         let outward = [

@@ -12,7 +12,7 @@ use super::limit::{Limit, LimitReached};
 use super::triangle::MovingTriangle;
 use crate::pose::Posed;
 use crate::query::QueryStats;
-use crate::query::two_bodies::Placements;
+use crate::query::two_bodies::PlacedPair;
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
 use crate::tree::PatchPair;
 
@@ -100,7 +100,7 @@ impl MotionWalk {
             let left = collapsed.run([&mut a, &mut b], (latest, &limit), stats, &mut within_limit);
             not_before = left.unwrap_or(0.0);
         } else {
-            let observer = Observer::new(middle, drift, a.standing().size);
+            let observer = Observer::new(middle, drift, a.placed_body().size);
             leaves_a.begin(observer);
             leaves_b.begin(observer);
             let tests_before = walk.limit(limit.most);
@@ -147,7 +147,7 @@ impl MotionWalk {
         *stats = QueryStats::default();
         let (middle, drift) = drift(&mut ends);
         let mut body = Moving::new(ends, drift, boxes, true);
-        leaves.begin(Observer::new(middle, drift, body.standing().size));
+        leaves.begin(Observer::new(middle, drift, body.placed_body().size));
         let limit = Limit::new(limit);
         let mut within_limit = |t: &MovingTriangle<'_>, s: &MovingTriangle<'_>, stats: &mut QueryStats| {
             at_triangles(t, s, stats)?;
@@ -177,22 +177,22 @@ impl MotionWalk {
     }
 }
 
-fn placements<'a>(a: &'a Moving<'_, '_>, b: &'a Moving<'_, '_>) -> Placements<'a> {
-    Placements {
-        a: a.standing(),
-        b: b.standing(),
+fn placements<'a>(a: &'a Moving<'_, '_>, b: &'a Moving<'_, '_>) -> PlacedPair<'a> {
+    PlacedPair {
+        a: a.placed_body(),
+        b: b.placed_body(),
     }
 }
 
 /// Whether boxes in `f32` cannot tell the bodies' parts apart at the start or at the end, because the bodies are too small there, or the
 /// numbers too large.
 fn are_collapsed(a: &Moving<'_, '_>, b: &Moving<'_, '_>) -> bool {
-    let is_bounded = |body: &Moving<'_, '_>| body.standing().bounds.size().is_finite();
-    !is_bounded(a) || !is_bounded(b) || (0..2).any(|end| Placements::are_small([a.resolution(end), b.resolution(end)]))
+    let is_bounded = |body: &Moving<'_, '_>| body.placed_body().bounds.size().is_finite();
+    !is_bounded(a) || !is_bounded(b) || (0..2).any(|end| PlacedPair::are_small([a.resolution(end), b.resolution(end)]))
 }
 
 /// The middle of the first body when the motion starts, and how far it moves. Queries take that motion off both bodies.
 fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {
-    let [from, to] = ends.each_mut().map(|end| middle(end.stand()));
+    let [from, to] = ends.each_mut().map(|end| middle(end.placed_body()));
     (from, to - from)
 }

@@ -2,14 +2,14 @@ use std::ops::ControlFlow;
 
 use super::memory::PairMemory;
 use super::patch_cache::{Patches, Side, intersecting_pairs};
-use crate::pose::{NodeId, Posed};
+use crate::pose::Posed;
 use crate::query::body::Body;
 use crate::query::capped::Capped;
 use crate::query::stats::QueryStats;
 use crate::query::triangle_pair::TrianglePair;
-use crate::query::two_bodies::{Collapsed, Neighbourhood, Placements};
+use crate::query::two_bodies::{Collapsed, Neighbourhood, PlacedPair};
 use crate::traverse::{Order, OverlapWalk};
-use crate::tree::Leaf;
+use crate::tree::{Leaf, NodeId};
 
 /// Finds the intersecting triangles of two bodies. Keep the query and use it again: it reuses its memory.
 ///
@@ -72,7 +72,7 @@ impl PairQuery {
 
     /// Calls `visitor` for every pair of intersecting triangles, in the order of the walk, until it breaks.
     pub fn visit(&mut self, a: Body<'_>, b: Body<'_>, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
-        self.run(a, b, Start::Front(&[], false), &mut visitor);
+        self.run(a, b, Start::Roots, &mut visitor);
     }
 
     /// Like [`PairQuery::first`], but first tries the leaves that intersected last time.
@@ -126,8 +126,8 @@ impl PairQuery {
     /// Whether the bodies are too small for culling. Queries then do not walk the trees.
     pub(in crate::query) fn are_collapsed(&self, mut a: Body<'_>, mut b: Body<'_>) -> bool {
         let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
-        let (a, b) = (posed_a.stand(), posed_b.stand());
-        Placements { a, b }.are_collapsed()
+        let (a, b) = (posed_a.placed_body(), posed_b.placed_body());
+        PlacedPair { a, b }.are_collapsed()
     }
 
     /// Expands the roots, level by level, into at least `least` node pairs (fewer if there are not that many), in the order of
@@ -135,7 +135,11 @@ impl PairQuery {
     pub(in crate::query) fn front(&mut self, a: Body<'_>, b: Body<'_>, least: usize) -> Vec<(NodeId, NodeId)> {
         let mut front = Vec::new();
         let mut ignore = |_| ControlFlow::Continue(());
-        self.run(a, b, Start::Expand(least, &mut front), &mut ignore);
+        let start = Start::Expand {
+            least,
+            front: &mut front,
+        };
+        self.run(a, b, start, &mut ignore);
         front
     }
 
@@ -150,7 +154,10 @@ impl PairQuery {
     ) -> Option<(Leaf, Leaf)> {
         let (a, b) = (&mut a.posed(), &mut b.posed());
         let before = [a.blended(), b.blended()];
-        let is_continued = matches!(start, Start::Front(_, true));
+        let (part, resumes) = match start {
+            Start::Part { front, resume } => (front, resume),
+            _ => (&[][..], false),
+        };
         let Self {
             walk,
             patches: [patches_a, patches_b],
@@ -160,19 +167,19 @@ impl PairQuery {
         *stats = QueryStats::default();
         let tests_before = walk.node_tests;
         let mut stopped_at = None;
-        let placements = Placements {
-            a: a.stand(),
-            b: b.stand(),
+        let pair = PlacedPair {
+            a: a.placed_body(),
+            b: b.placed_body(),
         };
-        let roots_overlap = is_continued || placements.begin_walk(walk);
+        let roots_overlap = resumes || pair.begin_walk(walk);
         if !roots_overlap {
             stats.node_tests = 1;
-        } else if matches!(start, Start::Front([], _) | Start::Deepest) && placements.are_collapsed() {
+        } else if matches!(start, Start::Roots | Start::Deepest) && pair.are_collapsed() {
             collapsed.place(a, b);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            if !is_continued {
-                let neighbourhood = placements.neighbourhood();
+            if !resumes {
+                let neighbourhood = pair.neighbourhood();
                 patches_a.begin(&neighbourhood, a.place);
                 patches_b.begin(&neighbourhood, b.place);
             }
@@ -187,8 +194,8 @@ impl PairQuery {
             };
             let _stopped_early = match start {
                 Start::Deepest => walk.run((&mut *a, &mut *b), &[], Order::DeepestFirst, &mut at_leaves),
-                Start::Front(front, _) => walk.run((&mut *a, &mut *b), front, Order::Any, &mut at_leaves),
-                Start::Expand(least, front) => {
+                Start::Roots | Start::Part { .. } => walk.run((&mut *a, &mut *b), part, Order::Any, &mut at_leaves),
+                Start::Expand { least, front } => {
                     *front = walk.front(a, b, least);
                     ControlFlow::Continue(())
                 }
@@ -202,11 +209,19 @@ impl PairQuery {
 
 /// Where a query starts.
 pub(in crate::query) enum Start<'a> {
+    /// The roots, in any order.
+    Roots,
     /// The roots; nodes that overlap deepest come first.
     Deepest,
-    /// Node pairs of an earlier walk, or the roots if the list is empty. The flag says that the previous query was for the same bodies
-    /// in the same state, so that its cached boxes and patches stay valid.
-    Front(&'a [(NodeId, NodeId)], bool),
-    /// The roots, expanded into at least this many node pairs, which are stored here.
-    Expand(usize, &'a mut Vec<(NodeId, NodeId)>),
+    /// Some of the node pairs of [`PairQuery::front`].
+    Part {
+        front: &'a [(NodeId, NodeId)],
+        /// Whether the previous query was for the same bodies in the same state, so that its cached boxes and patches stay valid.
+        resume: bool,
+    },
+    /// The roots, expanded into at least this many node pairs, which are stored in `front`.
+    Expand {
+        least: usize,
+        front: &'a mut Vec<(NodeId, NodeId)>,
+    },
 }

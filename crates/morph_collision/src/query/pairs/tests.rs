@@ -167,7 +167,11 @@ fn the_pairs_below_a_front_are_all_pairs_in_their_order() {
     let mut pairs = Vec::new();
     for part in &front {
         let [a, b] = bodies.both();
-        query.run(a, b, Start::Front(&[*part], false), &mut |pair| {
+        let start = Start::Part {
+            front: &[*part],
+            resume: false,
+        };
+        query.run(a, b, start, &mut |pair| {
             pairs.push(pair);
             ControlFlow::Continue(())
         });

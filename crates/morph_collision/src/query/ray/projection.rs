@@ -213,7 +213,7 @@ mod tests {
                     direction: along / along.abs().max_element(),
                     max_t: f64::INFINITY,
                 };
-                let projection = RayProjection::new(&line, &tree.stand().placed);
+                let projection = RayProjection::new(&line, &tree.placed_body().placed);
                 for leaf in (0..tree.topology.leaf_count()).map(Leaf) {
                     for patch in 0..tree.topology.patches(leaf).len() {
                         for &level in levels() {

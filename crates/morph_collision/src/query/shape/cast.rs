@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::ShapeQuery;
-use super::placed::{Closest, PlacedShape};
+use super::closest::Closest;
+use super::placed::PlacedShape;
 use crate::bounds::{Box64, ByBox, PlacedBounds};
 use crate::input_error::{InputError, check_direction, check_length};
 use crate::query::Body;

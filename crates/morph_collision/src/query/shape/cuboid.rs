@@ -2,7 +2,7 @@ use std::cmp::Ordering::Equal;
 
 use glam::{DMat3, DVec3};
 
-use super::placed::Closest;
+use super::closest::Closest;
 use crate::exact::{
     ClosestPoints, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, largest, plane_side,
     triangles_intersect,

@@ -6,6 +6,7 @@
 
 mod bound;
 mod cast;
+mod closest;
 mod cuboid;
 mod pair;
 mod placed;

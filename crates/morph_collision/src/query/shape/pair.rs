@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::cast::{ShapeImpact, first_impact, unit_direction};
-use super::placed::{Closest, PlacedShape, Solid};
+use super::closest::Closest;
+use super::placed::{PlacedShape, Solid};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
 

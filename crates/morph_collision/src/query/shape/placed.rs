@@ -1,5 +1,6 @@
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
+use super::closest::Closest;
 use super::cuboid::Cuboid;
 use crate::exact::{
     Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle_exactly,
@@ -66,15 +67,6 @@ pub(super) enum Solid {
         point: DVec3,
         normal: DVec3,
     },
-}
-
-/// The point of a triangle with the smallest signed distance.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Closest {
-    pub(super) point: DVec3,
-    /// The unit vector along which the signed distance grows.
-    pub(super) normal: DVec3,
-    pub(super) distance: f64,
 }
 
 impl PlacedShape {

@@ -3,9 +3,9 @@
 mod collapsed;
 mod distinct_triangles;
 mod neighbourhood;
-mod placements;
+mod placed_pair;
 
 pub(super) use collapsed::Collapsed;
 pub(super) use distinct_triangles::{DistinctTriangles, DistinctWalk};
 pub(super) use neighbourhood::{Neighbourhood, Placement};
-pub(super) use placements::Placements;
+pub(super) use placed_pair::PlacedPair;

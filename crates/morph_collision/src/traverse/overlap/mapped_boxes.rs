@@ -3,9 +3,9 @@
 use fearless_simd::Simd;
 
 use crate::bounds::{Aabb, BoxLanes, Frame, LANES, Lanes, MovingLanes, with_simd};
-use crate::pose::{BoxTree, EpochCache, NodeId, Standing};
+use crate::pose::{BoxTree, EpochCache, PlacedBody};
 use crate::traverse::mapping::Mapping;
-use crate::tree::{BODY_FRAME, Child};
+use crate::tree::{BODY_FRAME, Child, NodeId};
 
 /// Node pairs are compared in this many frames.
 const FRAMES: usize = 2;
@@ -140,7 +140,7 @@ pub(super) struct MappedBoxes {
 
 impl MappedBoxes {
     /// Starts a query without frames, in which only the root is known. `any_skinned` says whether this body or the other one is skinned.
-    pub(super) fn begin(&mut self, of: &Standing, scale: f32, any_skinned: bool) {
+    pub(super) fn begin(&mut self, of: &PlacedBody, scale: f32, any_skinned: bool) {
         self.used = 0;
         self.joints.begin(of.is_skinned);
         self.keeps_spaces = any_skinned;

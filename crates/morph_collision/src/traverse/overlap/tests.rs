@@ -6,8 +6,9 @@ use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 
 use super::walk::{LEAF_PAIRS, Order, OverlapWalk};
 use crate::bounds::{Aabb, BoxMap, Frame, WorldFromModel, visit_frames};
-use crate::pose::{NodeId, Pose, Posed};
+use crate::pose::{Pose, Posed};
 use crate::traverse::probe::{blob, cubes, leaves, row, triangle};
+use crate::tree::NodeId;
 
 /// A walk over two bodies, and the leaf pairs that it passed on, named by their triangles.
 struct Walk<'p> {
@@ -27,7 +28,7 @@ impl<'p> Walk<'p> {
     fn unculled(a: &'p mut Pose, b: &'p mut Pose) -> Self {
         let (mut a, mut b) = (a.posed(), b.posed());
         let mut walk = OverlapWalk::default();
-        walk.begin([a.stand(), b.stand()], 1.0);
+        walk.begin([a.placed_body(), b.placed_body()], 1.0);
         let lists = Vec::new();
         Self { walk, a, b, lists }
     }
@@ -135,7 +136,7 @@ fn pairs_overlap_in_the_frames_of_both_bodies() {
     let (mut a, mut b) = (blob(Vec3::ZERO, 1.0), blob(Vec3::ZERO, 0.5));
     let mut walk = Walk::unculled(&mut a, &mut b);
     walk.b.place = &turned;
-    let (a, b) = (walk.a.stand().placed, walk.b.stand().placed);
+    let (a, b) = (walk.a.placed_body().placed, walk.b.placed_body().placed);
     let mut frames = Vec::new();
     visit_frames(&a, &b, |maps| {
         frames.push(maps.map(Option::<&Frame>::copied));
@@ -217,7 +218,7 @@ fn the_larger_of_two_nodes_is_opened() {
 fn sizes_are_compared_in_the_units_of_the_first_body() {
     let (mut a, mut b) = (row(&[20.0, 25.0]), row(&[0.0, 4.0]));
     let mut walk = Walk::unculled(&mut a, &mut b);
-    walk.walk.begin([walk.a.stand(), walk.b.stand()], 10.0);
+    walk.walk.begin([walk.a.placed_body(), walk.b.placed_body()], 10.0);
     assert!(walk.push(&frame(DMat3::from_diagonal(DVec3::splat(10.0)), DVec3::ZERO)));
     assert_eq!(walk.pairs(Order::Any), []);
     assert_eq!(walk.walk.node_tests, 1 + 2);

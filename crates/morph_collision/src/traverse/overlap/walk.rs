@@ -10,9 +10,9 @@ use super::depth_sort::DepthSort;
 use super::joint_spaces::JointSpaces;
 use super::mapped_boxes::{MappedBoxes, Node};
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
-use crate::pose::{BoxTree, NodeId, Standing};
+use crate::pose::{BoxTree, PlacedBody};
 use crate::traverse::one_tree::Entry;
-use crate::tree::{ChildKind, Leaf};
+use crate::tree::{ChildKind, Leaf, NodeId};
 
 /// Nodes whose sizes differ by less than this factor are opened together. Chosen by instruction counts on the bench scenes
 /// (docs/tried.md).
@@ -90,7 +90,7 @@ impl OverlapWalk {
     }
 
     /// Starts a query, without frames. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
-    pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
+    pub(crate) fn begin(&mut self, [a, b]: [&PlacedBody; 2], a_from_b_scale: f32) {
         self.most = u64::MAX;
         self.is_cut = false;
         self.any_skinned = a.is_skinned || b.is_skinned;

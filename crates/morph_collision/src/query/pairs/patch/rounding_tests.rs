@@ -1,15 +1,16 @@
 //! Measures, in exact arithmetic, how close the actual errors along the filter's axes come to their bounds.
 
-use fearless_simd::Level;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, f32x8};
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::vectors::Vector;
+use super::triangles::Patch;
+use super::vectors::{Vector, cross, dot, sub};
 use super::verdict::{Along as Parted, ErrorBounds, Sides, lone_first};
-use super::*;
-use crate::bounds::{WorldFromModel, levels, with_simd};
+use crate::bounds::{LANES, Lanes, WorldFromModel, levels, with_simd};
 use crate::query::two_bodies::Neighbourhood;
 use crate::tree::put;
 

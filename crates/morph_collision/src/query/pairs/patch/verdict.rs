@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 
-use super::Patch;
+use super::triangles::Patch;
 use super::vectors::{Corners, Vector, choose, cross, dot, load, one, splat, sub};
 
 /// What is certain about eight pairs, as bit masks.

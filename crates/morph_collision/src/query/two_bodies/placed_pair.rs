@@ -2,17 +2,17 @@
 
 use super::neighbourhood::Neighbourhood;
 use crate::bounds::visit_frames;
-use crate::pose::Standing;
+use crate::pose::PlacedBody;
 use crate::traverse::OverlapWalk;
 
 /// The two bodies of a query.
 #[derive(Clone, Copy)]
-pub(in crate::query) struct Placements<'a> {
-    pub(in crate::query) a: &'a Standing,
-    pub(in crate::query) b: &'a Standing,
+pub(in crate::query) struct PlacedPair<'a> {
+    pub(in crate::query) a: &'a PlacedBody,
+    pub(in crate::query) b: &'a PlacedBody,
 }
 
-impl Placements<'_> {
+impl PlacedPair<'_> {
     /// Prepares the frames in which nodes are compared; returns whether the roots overlap.
     #[inline]
     pub(in crate::query) fn begin_walk(&self, walk: &mut OverlapWalk) -> bool {
@@ -30,10 +30,10 @@ impl Placements<'_> {
     /// rounding is not small compared with their size. Culling is then useless.
     #[inline]
     pub(in crate::query) fn are_collapsed(&self) -> bool {
-        Self::are_small([self.a, self.b].map(|standing| (standing.size, standing.slack)))
+        Self::are_small([self.a, self.b].map(|placed_body| (placed_body.size, placed_body.slack)))
     }
 
-    /// [`Placements::are_collapsed`], for two bodies with these sizes and this much slack.
+    /// [`PlacedPair::are_collapsed`], for two bodies with these sizes and this much slack.
     #[inline]
     pub(in crate::query) fn are_small([(size_a, slack_a), (size_b, slack_b)]: [(f64, f64); 2]) -> bool {
         /// Bodies this many times larger than the slack are culled well. Not measured; it affects only the speed.
@@ -50,7 +50,7 @@ impl Placements<'_> {
 
     /// Roughly the factor that converts lengths in B's units to A's.
     pub(in crate::query) fn a_from_b_scale(&self) -> f32 {
-        let [a, b] = [self.a, self.b].map(|standing| standing.placed.world_from_model().scale());
+        let [a, b] = [self.a, self.b].map(|placed_body| placed_body.placed.world_from_model().scale());
         (b / a) as f32
     }
 }

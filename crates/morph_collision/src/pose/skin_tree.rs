@@ -1,0 +1,15 @@
+//! What the boxes of a skinned mesh are computed from.
+
+use fearless_simd::Level;
+
+use crate::model::{MorphModel, Weights};
+use crate::tree::SkinTables;
+
+/// The parts of the tree and the pose that [`Skinning`](super::skinning::Skinning) needs.
+#[derive(Clone, Copy)]
+pub(super) struct SkinTree<'a> {
+    pub(super) model: &'a MorphModel,
+    pub(super) skin: &'a SkinTables,
+    pub(super) weights: &'a Weights,
+    pub(super) level: Level,
+}

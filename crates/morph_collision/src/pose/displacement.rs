@@ -34,7 +34,7 @@ impl Pose {
     #[must_use]
     pub fn displacement_from_pose(&self, before: &mut Self) -> f64 {
         let place = WorldFromModel::IDENTITY;
-        displacement((before, &place), (self, &place), 0.0..f64::INFINITY)
+        displacement(before, &place, self, &place, 0.0..f64::INFINITY)
     }
 }
 
@@ -43,8 +43,10 @@ impl Pose {
 /// `wanted` saves work outside the range that matters: if the bound is at most its start, the start is returned, and if the bound is
 /// more than its end, any larger number may be returned.
 pub(crate) fn displacement(
-    (before, from): (&mut Pose, &WorldFromModel),
-    (now, to): (&Pose, &WorldFromModel),
+    before: &mut Pose,
+    from: &WorldFromModel,
+    now: &Pose,
+    to: &WorldFromModel,
     wanted: Range<f64>,
 ) -> f64 {
     if !Arc::ptr_eq(&now.bvh, &before.bvh) {
@@ -61,16 +63,12 @@ pub(crate) fn displacement(
         if same_weights && from.is_same_map(to) {
             return enough;
         }
-        placed((before, from), (now, to), wanted)
+        placed(before, from, now, to, wanted)
     };
     known(bound).max(enough)
 }
 
-fn placed(
-    (before, from): (&mut Pose, &WorldFromModel),
-    (now, to): (&Pose, &WorldFromModel),
-    wanted: Range<f64>,
-) -> f64 {
+fn placed(before: &mut Pose, from: &WorldFromModel, now: &Pose, to: &WorldFromModel, wanted: Range<f64>) -> f64 {
     let motion = Motion {
         linear: to.linear() - from.linear(),
         translation: to.translation() - from.translation(),

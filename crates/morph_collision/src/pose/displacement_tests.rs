@@ -289,7 +289,7 @@ fn the_bound_does_not_depend_on_what_is_wanted() {
             pose
         };
         let (mut before, now) = (at(1.0), at(1.25));
-        let mut bound = |wanted| displacement((&mut before, &place), (&now, &place), wanted);
+        let mut bound = |wanted| displacement(&mut before, &place, &now, &place, wanted);
         let whole = bound(0.0..f64::INFINITY);
         assert!((whole / f64::from(0.25 * sums) - 1.0).abs() < 1e-5, "{whole}, {sums}");
         for start in [0.0, 0.5, 0.99] {

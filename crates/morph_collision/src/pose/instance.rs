@@ -74,7 +74,7 @@ impl Pose {
             skinning,
             bvh,
         };
-        pose.forget(true);
+        pose.invalidate(true);
         pose
     }
 
@@ -98,7 +98,7 @@ impl Pose {
         let changed = skinning.joints != *joints;
         if changed {
             skinning.joints = joints.clone();
-            self.forget(false);
+            self.invalidate(false);
         }
         Ok(changed)
     }
@@ -110,7 +110,7 @@ impl Pose {
     }
 
     /// Discards everything computed for other joints or weights.
-    fn forget(&mut self, weights_changed: bool) {
+    fn invalidate(&mut self, weights_changed: bool) {
         self.boxes.next_epoch();
         if weights_changed {
             self.vertices.next_epoch();
@@ -140,7 +140,7 @@ impl Pose {
         let changed = self.weights.all() != weights;
         if changed {
             self.weights.set(weights);
-            self.forget(true);
+            self.invalidate(true);
         }
         Ok(changed)
     }

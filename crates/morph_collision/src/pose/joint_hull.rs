@@ -14,6 +14,14 @@ use crate::joints::{Columns, JointMatrices};
 use crate::model::Weights;
 use crate::tree::JointBoxes;
 
+/// What keeps vertices from being in the hull of their joints' images.
+pub(super) struct VertexSlack {
+    /// The sums of their weights.
+    pub(super) sums: RangeInclusive<f64>,
+    /// A bound on their rounding errors, larger than the rounding errors of the hull.
+    pub(super) error: f64,
+}
+
 /// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JointHull {
@@ -26,7 +34,7 @@ pub(super) struct JointHull {
 
 impl JointHull {
     /// Discards the boxes, because the weights have changed.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         self.is_current = false;
     }
 
@@ -36,15 +44,14 @@ impl JointHull {
 
     /// A box in world space that contains every vertex, exact or rounded.
     ///
-    /// A vertex is the sum of its weights, which is in `sums`, times a point in the hull of its joints' images. `error` bounds the
-    /// rounding error of vertices; it is larger than the rounding errors here.
+    /// A vertex is the sum of its weights times a point in the hull of its joints' images.
     pub(super) fn around(
         &mut self,
         level: Level,
         tables: &JointBoxes,
         weights: &Weights,
         joints: &JointMatrices,
-        (sums, error): (RangeInclusive<f64>, f64),
+        VertexSlack { sums, error }: VertexSlack,
     ) -> Aabb {
         if !self.is_bounded(level, tables, weights) {
             return Aabb::UNBOUNDED;
@@ -61,7 +68,7 @@ impl JointHull {
         tables: &JointBoxes,
         weights: &Weights,
         joints: &JointMatrices,
-        (sums, error): (RangeInclusive<f64>, f64),
+        VertexSlack { sums, error }: VertexSlack,
         space: &WorldFromModel,
     ) -> Aabb {
         if !self.is_bounded(level, tables, weights) {

@@ -37,18 +37,19 @@ pub(super) struct OuterBoxes {
 
 impl OuterBoxes {
     /// Discards what depends on the weights, because they have changed.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         self.are_current = false;
     }
 
     /// Computes the boxes anew. `spread` is the largest coordinate of a joint's translation relative to the origin of `frame`.
-    pub(super) fn make(
+    pub(super) fn compute(
         &mut self,
         level: Level,
         children: &RootChildren,
         weights: &Weights,
         joints: &JointMatrices,
-        (frame, spread): (&MapFrame, f64),
+        frame: &MapFrame,
+        spread: f64,
     ) {
         with_simd!(level, simd => {
             self.blend(simd, children, weights);

@@ -39,7 +39,7 @@ pub(super) fn blend_skinned<'m, S: Simd>(
         let own = cluster.ends(simd);
         let (ends, widening) = match block.pivots {
             [pivot] if block.rows.is_empty() && map(pivot.map).is_identity && block.missing == 0.0 => (own, 0.0),
-            _ => moved(simd, &block, (own, reach), &map, origin, &mut kept),
+            _ => moved(simd, &block, own, reach, &map, origin, &mut kept),
         };
         widest = widest.max(widening);
         if *block.children == EACH {
@@ -63,7 +63,8 @@ const EACH: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 fn moved<'m, S: Simd>(
     simd: S,
     block: &Block<'_>,
-    (own, reach): (Ends<S>, f32),
+    own: Ends<S>,
+    reach: f32,
     map: &impl Fn(u32) -> &'m JointMap,
     origin: f32,
     kept: &mut [Ends<S>; KEPT_IMAGES],
@@ -82,11 +83,11 @@ fn moved<'m, S: Simd>(
         drift = drift.max(map.drift);
     };
     let mut pivot = own;
-    for (place, of) in block.pivots.iter().enumerate() {
+    for (i, of) in block.pivots.iter().enumerate() {
         let map = map(of.map);
         note(map);
         let (image, is_its) = (image(map), mask32x8::from_bitmask(simd, u64::from(of.lanes)));
-        if let Some(kept) = kept.get_mut(place) {
+        if let Some(kept) = kept.get_mut(i) {
             *kept = image;
         }
         for end in 0..2 {

@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 
 use super::cache::EpochCache;
-use super::joint_hull::JointHull;
+use super::joint_hull::{JointHull, VertexSlack};
 use super::outer_boxes::OuterBoxes;
 use super::skin_blend::blend_skinned;
 use super::skin_tree::SkinTree;
@@ -111,8 +111,8 @@ impl Skinning {
         self.placed.next_epoch();
         if weights_changed {
             self.boxes.next_epoch();
-            self.hull.forget();
-            self.outer.forget();
+            self.hull.invalidate();
+            self.outer.invalidate();
             let of_targets = tree.weights.active().iter().map(|&(target, weight)| {
                 f64::from(weight.abs()) * f64::from(tree.model.target_reach()[target as usize])
             });
@@ -211,8 +211,9 @@ impl Skinning {
         let children = tree.skin.root_children.as_ref()?;
         if self.outer_version != self.version {
             self.outer_version = self.version;
-            let frame = (&self.frames[BODY_FRAME].maps, self.spread);
-            self.outer.make(tree.level, children, tree.weights, &self.joints, frame);
+            let frame = &self.frames[BODY_FRAME].maps;
+            self.outer
+                .compute(tree.level, children, tree.weights, &self.joints, frame, self.spread);
         }
         Some(&self.outer)
     }
@@ -272,14 +273,26 @@ impl Skinning {
     /// A box in world space around all vertices.
     pub(super) fn world_bounds(&mut self, tree: SkinTree<'_>) -> Aabb {
         let sums = tree.model.skin().map_or(1.0..=1.0, Skin::sums);
-        let (joints, slack) = (&tree.skin.joints, (sums, self.error));
+        let (joints, slack) = (
+            &tree.skin.joints,
+            VertexSlack {
+                sums,
+                error: self.error,
+            },
+        );
         self.hull.around(tree.level, joints, tree.weights, &self.joints, slack)
     }
 
     /// A box around all vertices in the model space of `space`.
     pub(super) fn bounds_in(&mut self, tree: SkinTree<'_>, space: &WorldFromModel) -> Aabb {
         let sums = tree.model.skin().map_or(1.0..=1.0, Skin::sums);
-        let (joints, slack) = (&tree.skin.joints, (sums, self.error));
+        let (joints, slack) = (
+            &tree.skin.joints,
+            VertexSlack {
+                sums,
+                error: self.error,
+            },
+        );
         self.hull
             .around_in(tree.level, joints, tree.weights, &self.joints, slack, space)
     }

@@ -59,8 +59,13 @@ impl<'a> Body<'a> {
     }
 
     fn displacement(&self, before: Body<'_>, wanted: Range<f64>) -> f64 {
-        let before = (before.pose, before.world_from_model);
-        displacement(before, (self.pose, self.world_from_model), wanted)
+        displacement(
+            before.pose,
+            before.world_from_model,
+            self.pose,
+            self.world_from_model,
+            wanted,
+        )
     }
 
     pub(crate) fn posed(&mut self) -> Posed<'_> {

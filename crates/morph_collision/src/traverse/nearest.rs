@@ -17,7 +17,8 @@ pub(crate) type NearestStack = Vec<(f64, NodeRef, NodeRef)>;
 /// their distance). `at_leaves` returns the new limit. The walk opens the larger node and visits its children in ascending
 /// order of their bounds. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
 pub(crate) fn walk_nearest<'p>(
-    (a, b): (&mut Posed<'p>, &mut Posed<'p>),
+    a: &mut Posed<'p>,
+    b: &mut Posed<'p>,
     a_from_b_scale: f32,
     stack: &mut NearestStack,
     mut limit: f64,

@@ -136,8 +136,8 @@ fn gap(a: &Aabb, b: &Aabb) -> f64 {
 /// The leaf pairs visited within a limit, and the number of node pairs tested. `next` is what the callback returns at each pair.
 fn nearest(a: &mut Pose, b: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> (Vec<(u32, u32)>, u64) {
     let (mut pairs, mut stack) = (Vec::new(), NearestStack::new());
-    let bodies = (&mut a.posed(), &mut b.posed());
-    let tests = walk_nearest(bodies, 1.0, &mut stack, limit, gap, |a, b, of_a, of_b| {
+    let (a, b) = (&mut a.posed(), &mut b.posed());
+    let tests = walk_nearest(a, b, 1.0, &mut stack, limit, gap, |a, b, of_a, of_b| {
         pairs.push((triangle(a, of_a), triangle(b, of_b)));
         next
     });
@@ -207,9 +207,9 @@ fn the_larger_of_two_nodes_is_opened_on_the_way_to_the_nearest() {
     };
     let (mut small, mut large) = (row(&[13.0, 35.0]), row(&[0.0, 4.0]));
     let (stack, limit) = (&mut NearestStack::new(), 1.0);
-    let bodies = (&mut small.posed(), &mut large.posed());
     let tests = walk_nearest(
-        bodies,
+        &mut small.posed(),
+        &mut large.posed(),
         SCALE,
         stack,
         limit,
@@ -217,9 +217,9 @@ fn the_larger_of_two_nodes_is_opened_on_the_way_to_the_nearest() {
         |_, _, _, _| unreachable!(),
     );
     assert_eq!(tests, 1 + 2);
-    let bodies = (&mut large.posed(), &mut small.posed());
     let tests = walk_nearest(
-        bodies,
+        &mut large.posed(),
+        &mut small.posed(),
         1.0 / SCALE,
         stack,
         limit,

@@ -110,7 +110,7 @@ impl DistanceQuery {
         } = self;
         *stats = QueryStats::default();
         if are_collapsed {
-            collapsed.place(a, b);
+            collapsed.fill(a, b);
             search.at_collapsed(collapsed, stats);
         } else {
             leaves_a.begin();
@@ -129,7 +129,7 @@ impl DistanceQuery {
                 };
                 search.at_leaves(a, b, tests)
             };
-            stats.node_tests = walk_nearest((&mut *a, &mut *b), scale, stack, limit, bound, at_leaves);
+            stats.node_tests = walk_nearest(a, b, scale, stack, limit, bound, at_leaves);
         }
         *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         search

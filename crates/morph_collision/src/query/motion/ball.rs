@@ -55,14 +55,15 @@ impl MovingBall {
     }
 
     /// When and where the ball, which is no point, first touches a triangle; `None` if it does not, or only after `latest`.
-    /// Adds the work to `looks`.
+    /// Adds the work to `tests`.
     pub(super) fn impact(
         &self,
         triangle: &MovingTriangle<'_>,
-        (tolerance, latest): (f64, f64),
-        looks: &mut u64,
+        tolerance: f64,
+        latest: f64,
+        tests: &mut u64,
     ) -> Option<BallImpact> {
-        let time = ball_impact(&self.center, self.radius, &triangle.points, tolerance, latest, looks)?;
+        let time = ball_impact(&self.center, self.radius, &triangle.points, tolerance, latest, tests)?;
         let middle = time.earliest.midpoint(time.latest);
         let seen = seen_from(&self.center, &triangle.points);
         let closest = closest_on_triangle(DVec3::ZERO, &seen.map(|corner| corner.at(middle)));

@@ -50,7 +50,8 @@ impl CollapsedMotion {
     pub(super) fn run(
         &mut self,
         [a, b]: [&mut Moving<'_, '_>; 2],
-        (latest, limit): (&Cell<f64>, &Limit),
+        latest: &Cell<f64>,
+        limit: &Limit,
         stats: &mut QueryStats,
         at_triangles: &mut AtTriangles<'_>,
     ) -> Option<f64> {
@@ -66,7 +67,7 @@ impl CollapsedMotion {
         of_a.fill(a);
         of_b.fill(b);
         let distinct = [&of_a.distinct, &of_b.distinct];
-        let flow = walk.run(distinct, first_overlap, (latest.get(), most), stats, |t, s, stats| {
+        let flow = walk.run(distinct, first_overlap, latest.get(), most, stats, |t, s, stats| {
             let t = MovingTriangle::of_mesh(a, &of_a.points, t[0].1);
             let s = MovingTriangle::of_mesh(b, &of_b.points, s[0].1);
             at_triangles(&t, &s, stats)?;

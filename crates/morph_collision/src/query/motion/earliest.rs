@@ -33,7 +33,8 @@ impl<T> Earliest<T> {
     /// Adds a contact; returns whether it is the earliest now. Among equals, the key decides, so that the answer depends on no tree.
     pub(super) fn add<K: PartialOrd>(
         &mut self,
-        (time, contact): (TimeOfImpact, T),
+        time: TimeOfImpact,
+        contact: T,
         key: impl Fn(&T) -> K,
         stats: &QueryStats,
     ) -> bool {
@@ -95,7 +96,7 @@ mod tests {
         for order in [[long, short], [short, long]] {
             let mut earliest = Earliest::new(1e-6);
             for time in order {
-                earliest.add((time, time.latest), |latest| *latest, &QueryStats::default());
+                earliest.add(time, time.latest, |latest| *latest, &QueryStats::default());
             }
             let found = earliest.found(Ok(())).unwrap();
             assert_eq!(found, Some((time(0.5, 0.85), 0.85)));

@@ -39,7 +39,7 @@ impl Observer {
         }
     }
 
-    fn sees(&self, point: &MovingPoint) -> [DVec3; 2] {
+    fn relative(&self, point: &MovingPoint) -> [DVec3; 2] {
         let [start, end] = self.origin;
         [point.start * self.scale - start, point.end * self.scale - end]
     }
@@ -109,8 +109,8 @@ impl MovingLeaves {
         for corners in mesh.corners.chunks(LANES) {
             let mut eight = MovingLanes::default();
             for (lane, corners) in corners.iter().enumerate() {
-                let seen = corners.map(|corner| self.observer.sees(&points[usize::from(corner)]));
-                let ends = [seen.map(|[start, _]| start), seen.map(|[_, end]| end)];
+                let relative = corners.map(|corner| self.observer.relative(&points[usize::from(corner)]));
+                let ends = [relative.map(|[start, _]| start), relative.map(|[_, end]| end)];
                 eight.set(lane, &ends.map(|corners| around(&corners)));
             }
             boxes.push(eight);
@@ -123,31 +123,38 @@ impl MovingLeaves {
 pub(super) type AtTriangles<'v> =
     dyn FnMut(&MovingTriangle<'_>, &MovingTriangle<'_>, &mut QueryStats) -> ControlFlow<()> + 'v;
 
-/// A body, its leaves, and who owns its vertices and edges.
-pub(super) type Side<'s, 'm, 'p> = (&'s mut Moving<'m, 'p>, &'s mut MovingLeaves, &'s Owners);
+/// One body of a walk.
+pub(super) struct Side<'s, 'm, 'p> {
+    pub(super) body: &'s mut Moving<'m, 'p>,
+    pub(super) leaves: &'s mut MovingLeaves,
+    /// Which triangle stands for each vertex and edge.
+    pub(super) owners: &'s Owners,
+}
 
 /// Calls `at_triangles` for pairs of triangles of two bodies' leaves that may touch at times up to `latest`, until it breaks or the limit is
 /// reached.
 pub(super) fn triangles_of_both(
-    (a, leaves_a, owners_a): Side<'_, '_, '_>,
-    (b, leaves_b, owners_b): Side<'_, '_, '_>,
+    a: Side<'_, '_, '_>,
+    b: Side<'_, '_, '_>,
     leaves: &[(Leaf, Leaf)],
-    (latest, limit, stats): (&Cell<f64>, &Limit, &mut QueryStats),
+    latest: &Cell<f64>,
+    limit: &Limit,
+    stats: &mut QueryStats,
     at_triangles: &mut AtTriangles<'_>,
 ) -> ControlFlow<()> {
     for &(leaf_a, leaf_b) in leaves {
-        let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
-        let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
-        let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
-            let t = MovingTriangle::of_leaf(a, leaf_a, &of_a.points, place_a, owners_a);
-            let s = MovingTriangle::of_leaf(b, leaf_b, &of_b.points, place_b, owners_b);
+        let (slot_a, slot_b) = (a.leaves.read(a.body, leaf_a), b.leaves.read(b.body, leaf_b));
+        let (of_a, of_b) = (a.leaves.placed.get(slot_a), b.leaves.placed.get(slot_b));
+        let at_pair = |[index_a, index_b]: [usize; 2], stats: &mut QueryStats| {
+            let t = MovingTriangle::of_leaf(a.body, leaf_a, &of_a.points, index_a, a.owners);
+            let s = MovingTriangle::of_leaf(b.body, leaf_b, &of_b.points, index_b, b.owners);
             // These boxes are tighter.
             if t.first_overlap(&s) > latest.get() {
                 return ControlFlow::Continue(());
             }
             at_triangles(&t, &s, stats)
         };
-        with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair))?;
+        with_simd!(a.body.ends[0].level, simd => pairs(simd, of_a, of_b, false, latest, stats, at_pair))?;
         limit.check(stats)?;
     }
     ControlFlow::Continue(())
@@ -155,45 +162,49 @@ pub(super) fn triangles_of_both(
 
 /// Like [`triangles_of_both`], for two leaves of one body, or one leaf with itself.
 pub(super) fn triangles_of_one(
-    (body, placed, owners): Side<'_, '_, '_>,
+    side: Side<'_, '_, '_>,
     [leaf_a, leaf_b]: [Leaf; 2],
     stats: &mut QueryStats,
     at_triangles: &mut AtTriangles<'_>,
 ) -> ControlFlow<()> {
-    let (slot_a, slot_b) = (placed.read(body, leaf_a), placed.read(body, leaf_b));
-    let (of_a, of_b) = (placed.placed.get(slot_a), placed.placed.get(slot_b));
-    let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
-        let t = MovingTriangle::of_leaf(body, leaf_a, &of_a.points, place_a, owners);
-        let s = MovingTriangle::of_leaf(body, leaf_b, &of_b.points, place_b, owners);
+    let Side { body, leaves, owners } = side;
+    let (slot_a, slot_b) = (leaves.read(body, leaf_a), leaves.read(body, leaf_b));
+    let (of_a, of_b) = (leaves.placed.get(slot_a), leaves.placed.get(slot_b));
+    let at_pair = |[index_a, index_b]: [usize; 2], stats: &mut QueryStats| {
+        let t = MovingTriangle::of_leaf(body, leaf_a, &of_a.points, index_a, owners);
+        let s = MovingTriangle::of_leaf(body, leaf_b, &of_b.points, index_b, owners);
         at_triangles(&t, &s, stats)
     };
-    with_simd!(body.ends[0].level, simd => pairs(simd, (of_a, of_b), leaf_a == leaf_b, (&Cell::new(1.0), stats), at_pair))
+    let (is_same, always) = (leaf_a == leaf_b, Cell::new(1.0));
+    with_simd!(body.ends[0].level, simd => pairs(simd, of_a, of_b, is_same, &always, stats, at_pair))
 }
 
-/// Calls `at_pair` for the places of triangles whose boxes meet at times up to `latest`. If the leaves are the same, the first place is the
+/// Calls `at_pair` for the indices of triangles whose boxes meet at times up to `latest`. If the leaves are the same, the first index is the
 /// smaller one.
 #[inline(always)]
 fn pairs<S: Simd>(
     simd: S,
-    (a, b): (&MovingLeaf, &MovingLeaf),
+    a: &MovingLeaf,
+    b: &MovingLeaf,
     is_same: bool,
-    (latest, stats): (&Cell<f64>, &mut QueryStats),
+    latest: &Cell<f64>,
+    stats: &mut QueryStats,
     mut at_pair: impl FnMut([usize; 2], &mut QueryStats) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let mut enter = [0.0; LANES];
-    for place_a in 0..a.triangles {
-        let (eight, lane) = (&a.boxes[place_a / LANES], place_a % LANES);
-        for (index, others) in b.boxes.iter().enumerate() {
-            let rest = b.triangles - index * LANES;
+    for index_a in 0..a.triangles {
+        let (eight, lane) = (&a.boxes[index_a / LANES], index_a % LANES);
+        for (block, others) in b.boxes.iter().enumerate() {
+            let rest = b.triangles - block * LANES;
             let mut mask = if rest < LANES { (1 << rest) - 1 } else { u8::MAX };
             stats.triangle_tests += u64::from(mask.count_ones());
             mask &= others.meet(simd, eight, lane, &mut enter);
             for lane in lanes_of(mask) {
-                let place_b = index * LANES + lane;
+                let index_b = block * LANES + lane;
                 // False for NaN.
                 let is_late = f64::from(enter[lane % LANES]) > latest.get();
-                if !is_late && (!is_same || place_a < place_b) {
-                    at_pair([place_a, place_b], stats)?;
+                if !is_late && (!is_same || index_a < index_b) {
+                    at_pair([index_a, index_b], stats)?;
                 }
             }
         }

@@ -187,12 +187,12 @@ impl MotionQuery {
         let walked = self.features(a, b, Search::First(&latest), &mut |candidate, stats| {
             let features = |contact: &MotionContact| (contact.features, contact.triangles);
             if let Some(contact) = candidate.impact(tolerance, stats)
-                && earliest.add((contact.time, contact), features, stats)
+                && earliest.add(contact.time, contact, features, stats)
             {
                 // Where an edge ends, the normal of its vertex and the face says more than that of two edges.
                 for corner in candidate.corners() {
                     if let Some(contact) = corner.impact(tolerance, stats) {
-                        earliest.add((contact.time, contact), features, stats);
+                        earliest.add(contact.time, contact, features, stats);
                     }
                 }
             }
@@ -270,7 +270,7 @@ impl MotionQuery {
         let latest = Cell::new(1.0);
         let mut test = |triangle: &MovingTriangle<'_>, _: &MovingTriangle<'_>, stats: &mut QueryStats| {
             let impact = if ball.radius() > 0.0 {
-                ball.impact(triangle, (tolerance, latest.get()), &mut stats.feature_tests)
+                ball.impact(triangle, tolerance, latest.get(), &mut stats.feature_tests)
             } else {
                 let features = Features::FaceVertex {
                     triangle_a: triangle.number,
@@ -281,14 +281,14 @@ impl MotionQuery {
                 contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
             };
             if let Some(impact) = impact {
-                earliest.add((impact.time, impact), |impact| impact.triangle, stats);
+                earliest.add(impact.time, impact, |impact| impact.triangle, stats);
             }
             latest.set(earliest.latest(stats));
             ControlFlow::Continue(())
         };
-        let bodies = (body, bounds.around(ball));
+        let ball_body = bounds.around(ball);
         let Self { walk, limit, stats, .. } = self;
-        let walked = walk.run(bodies, Search::First(&latest), *limit, stats, &mut test);
+        let walked = walk.run(body, ball_body, Search::First(&latest), *limit, stats, &mut test);
         self.ball = Some(bounds);
         let first = earliest.found(walked)?;
         Ok(first.map(|(time, impact)| BallImpact { time, ..impact }))
@@ -355,7 +355,7 @@ impl MotionQuery {
         test: &mut Test<'_>,
     ) -> Result<(), LimitReached> {
         let Self { walk, limit, stats, .. } = self;
-        walk.run((a, b), search, *limit, stats, &mut |t, s, stats| match search {
+        walk.run(a, b, search, *limit, stats, &mut |t, s, stats| match search {
             Search::All => between(t, s, stats, test),
             Search::Any | Search::First(_) => between(&t.without_points(), &s.without_points(), stats, test),
         })

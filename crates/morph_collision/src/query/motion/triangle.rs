@@ -18,29 +18,29 @@ pub(super) struct MovingTriangle<'a> {
     /// Whether its face is left out, if the other triangle's is not.
     pub(super) is_point: bool,
     /// The placement at the start.
-    place: &'a WorldFromModel,
+    world_from_model: &'a WorldFromModel,
 }
 
 impl<'a> MovingTriangle<'a> {
-    /// The triangle at a place of a leaf, whose vertices are at these points. It stands for the features that it owns.
+    /// The triangle at an index of a leaf, whose vertices are at these points. It stands for the features that it owns.
     pub(super) fn of_leaf(
         tree: &Moving<'_, 'a>,
         leaf: Leaf,
         points: &[MovingPoint],
-        place: usize,
+        index: usize,
         owners: &Owners,
     ) -> Self {
         let start = &tree.ends[0];
         let mesh = start.topology.leaf_mesh(leaf);
-        let corners = mesh.corners[place];
-        let number = start.topology.leaf_triangles(leaf)[place];
+        let corners = mesh.corners[index];
+        let number = start.topology.leaf_triangles(leaf)[index];
         Self {
             number,
             vertices: corners.map(|corner| mesh.vertices[usize::from(corner)]),
             points: corners.map(|corner| points[usize::from(corner)]),
             owned: owners.of(number),
             is_point: false,
-            place: start.place,
+            world_from_model: start.place,
         }
     }
 
@@ -54,7 +54,7 @@ impl<'a> MovingTriangle<'a> {
             points: vertices.map(|vertex| points[vertex as usize]),
             owned: Owned::ALL,
             is_point: false,
-            place: start.place,
+            world_from_model: start.place,
         }
     }
 
@@ -105,6 +105,10 @@ impl<'a> MovingTriangle<'a> {
     /// The unit normal out of the body at a time.
     pub(super) fn outward(&self, time: f64) -> DVec3 {
         let normal = unit_normal(&self.points.map(|point| point.at(time)));
-        if self.place.mirrors() { -normal } else { normal }
+        if self.world_from_model.mirrors() {
+            -normal
+        } else {
+            normal
+        }
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::MovingBody;
 use super::collapsed::CollapsedMotion;
-use super::leaves::{AtTriangles, MovingLeaves, Observer, triangles_of_both, triangles_of_one};
+use super::leaves::{AtTriangles, MovingLeaves, Observer, Side, triangles_of_both, triangles_of_one};
 use super::limit::{Limit, LimitReached};
 use super::triangle::MovingTriangle;
 use crate::pose::Posed;
@@ -60,7 +60,8 @@ impl MotionWalk {
     /// [`LimitReached`] after about `limit` steps.
     pub(super) fn run(
         &mut self,
-        (mut a, mut b): (MovingBody<'_>, MovingBody<'_>),
+        mut a: MovingBody<'_>,
+        mut b: MovingBody<'_>,
         search: Search<'_>,
         limit: u64,
         stats: &mut QueryStats,
@@ -97,17 +98,25 @@ impl MotionWalk {
         if !placements(&a, &b).begin_walk(walk) {
             stats.node_tests = 1;
         } else if !matches!(search, Search::All) && are_collapsed(&a, &b) {
-            let left = collapsed.run([&mut a, &mut b], (latest, &limit), stats, &mut within_limit);
+            let left = collapsed.run([&mut a, &mut b], latest, &limit, stats, &mut within_limit);
             not_before = left.unwrap_or(0.0);
         } else {
             let observer = Observer::new(middle, drift, a.placed_body().size);
             leaves_a.begin(observer);
             leaves_b.begin(observer);
             let tests_before = walk.limit(limit.most);
-            let _stopped_early = walk.run((&mut a, &mut b), &[], order, &mut |a, b, leaves| {
-                let of_a = (a, &mut *leaves_a, bvh_a.owners());
-                let of_b = (b, &mut *leaves_b, bvh_b.owners());
-                triangles_of_both(of_a, of_b, leaves, (latest, &limit, stats), &mut within_limit)
+            let _stopped_early = walk.run(&mut a, &mut b, &[], order, &mut |a, b, leaves| {
+                let a = Side {
+                    body: a,
+                    leaves: &mut *leaves_a,
+                    owners: bvh_a.owners(),
+                };
+                let b = Side {
+                    body: b,
+                    leaves: &mut *leaves_b,
+                    owners: bvh_b.owners(),
+                };
+                triangles_of_both(a, b, leaves, latest, &limit, stats, &mut within_limit)
             });
             stats.node_tests = walk.node_tests - tests_before;
             if walk.is_cut() {
@@ -155,7 +164,12 @@ impl MotionWalk {
         };
         let front = bvh.self_front();
         let mut at_leaves = |body: &mut Moving<'_, '_>, a, b| {
-            triangles_of_one((body, leaves, bvh.owners()), [a, b], stats, &mut within_limit)?;
+            let side = Side {
+                body,
+                leaves: &mut *leaves,
+                owners: bvh.owners(),
+            };
+            triangles_of_one(side, [a, b], stats, &mut within_limit)?;
             limit.check(stats)
         };
         let neighbours = front.neighbours.iter().filter(|pair| pair.patches == [0; 2]);

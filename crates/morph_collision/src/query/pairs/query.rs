@@ -175,7 +175,7 @@ impl PairQuery {
         if !roots_overlap {
             stats.node_tests = 1;
         } else if matches!(start, Start::Roots | Start::Deepest) && pair.are_collapsed() {
-            collapsed.place(a, b);
+            collapsed.fill(a, b);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
             if !resumes {
@@ -193,8 +193,8 @@ impl PairQuery {
                 flow
             };
             let _stopped_early = match start {
-                Start::Deepest => walk.run((&mut *a, &mut *b), &[], Order::DeepestFirst, &mut at_leaves),
-                Start::Roots | Start::Part { .. } => walk.run((&mut *a, &mut *b), part, Order::Any, &mut at_leaves),
+                Start::Deepest => walk.run(&mut *a, &mut *b, &[], Order::DeepestFirst, &mut at_leaves),
+                Start::Roots | Start::Part { .. } => walk.run(&mut *a, &mut *b, part, Order::Any, &mut at_leaves),
                 Start::Expand { least, front } => {
                     *front = walk.front(a, b, least);
                     ControlFlow::Continue(())

@@ -66,7 +66,8 @@ impl RayProjection {
         &self,
         simd: S,
         tree: &mut Posed<'_>,
-        (leaf, patch): (Leaf, usize),
+        leaf: Leaf,
+        patch: usize,
         points: &mut Vec<[f32; 4]>,
     ) -> u8 {
         let mut corners = CornerLanes::default();
@@ -219,9 +220,10 @@ mod tests {
                         for &level in levels() {
                             let mut points = Vec::new();
                             if patch > 0 {
-                                with_simd!(level, simd => projection.candidates(simd, tree, (leaf, 0), &mut points));
+                                with_simd!(level, simd => projection.candidates(simd, tree, leaf, 0, &mut points));
                             }
-                            let candidates = with_simd!(level, simd => projection.candidates(simd, tree, (leaf, patch), &mut points));
+                            let candidates =
+                                with_simd!(level, simd => projection.candidates(simd, tree, leaf, patch, &mut points));
                             let numbers = tree
                                 .topology
                                 .leaf_triangles(leaf)

@@ -205,8 +205,7 @@ impl RayQuery {
         let points = &mut self.points;
         self.one.walk_leaves(body, line.max_t, &cull, |tree, leaf| {
             for patch in 0..tree.topology.patches(leaf).len() {
-                let candidates =
-                    with_simd!(tree.level, simd => projection.candidates(simd, tree, (leaf, patch), points));
+                let candidates = with_simd!(tree.level, simd => projection.candidates(simd, tree, leaf, patch, points));
                 for lane in lanes_of(candidates) {
                     let number = tree.topology.leaf_triangles(leaf)[patch * LANES + lane];
                     let triangle = tree.world_triangle(number);

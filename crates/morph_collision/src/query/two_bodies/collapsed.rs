@@ -19,15 +19,15 @@ pub(in crate::query) struct Collapsed {
 }
 
 impl Collapsed {
-    /// Places both bodies' triangles. Blends every vertex; `O(n log n)`.
-    pub(in crate::query) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>) {
-        let fill = |triangles: &mut DistinctTriangles<1>, tree: &mut Posed<'_>| {
+    /// Replaces the triangles by those of two bodies. Blends every vertex; `O(n log n)`.
+    pub(in crate::query) fn fill(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>) {
+        let place = |triangles: &mut DistinctTriangles<1>, tree: &mut Posed<'_>| {
             let numbers = 0..tree.topology.triangle_count() as u32;
             // Corners are sorted, so that equal triangles are equal whatever their first corner is.
             triangles.fill(numbers.map(|number| [sorted(tree.world_triangle(number))]));
         };
-        fill(&mut self.a, a);
-        fill(&mut self.b, b);
+        place(&mut self.a, a);
+        place(&mut self.b, b);
     }
 
     /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners only once.
@@ -37,7 +37,7 @@ impl Collapsed {
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Self { a, b, walk } = self;
-        walk.run([a, b], squared_distance, (0.0, u64::MAX), stats, |a, b, stats| {
+        walk.run([a, b], squared_distance, 0.0, u64::MAX, stats, |a, b, stats| {
             let [[corners_a], [corners_b]] = [a[0].0, b[0].0];
             let undecided = &mut stats.undecided_by_filter;
             if facets_intersect_counting(&Facet::new(corners_a), &Facet::new(corners_b), undecided) {
@@ -61,7 +61,7 @@ impl Collapsed {
         mut visitor: impl FnMut(TrianglePair, &Triangle, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let Self { a, b, walk } = self;
-        walk.run([a, b], squared_distance, (limit, u64::MAX), stats, |a, b, _| {
+        walk.run([a, b], squared_distance, limit, u64::MAX, stats, |a, b, _| {
             let (([corners_a], triangle_a), ([corners_b], triangle_b)) = (a[0], b[0]);
             visitor(TrianglePair { triangle_a, triangle_b }, &corners_a, &corners_b)
         })
@@ -75,7 +75,7 @@ impl Collapsed {
         mut visitor: impl FnMut(TrianglePair, &Triangle, &Triangle) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Self { a, b, walk } = self;
-        walk.run([a, b], squared_distance, (limit, u64::MAX), stats, |a, b, _| {
+        walk.run([a, b], squared_distance, limit, u64::MAX, stats, |a, b, _| {
             for &([corners_a], triangle_a) in a {
                 for &([corners_b], triangle_b) in b {
                     visitor(TrianglePair { triangle_a, triangle_b }, &corners_a, &corners_b)?;

@@ -11,13 +11,13 @@ use crate::exact::Triangle;
 use crate::query::stats::QueryStats;
 
 /// A triangle at `E` moments: at one, or at the start and at the end of a motion.
-pub(in crate::query) type Placed<const E: usize> = [Triangle; E];
+pub(in crate::query) type AtMoments<const E: usize> = [Triangle; E];
 
 /// A body's triangles, at `E` moments each.
 #[derive(Debug)]
 pub(in crate::query) struct DistinctTriangles<const E: usize> {
     /// Triangles and their numbers, in ascending order, so that equal triangles are adjacent.
-    placed: Vec<(Placed<E>, u32)>,
+    placed: Vec<(AtMoments<E>, u32)>,
     /// Ranges of equal triangles in `placed`. Each is a leaf of the tree.
     leaves: Vec<Range<usize>>,
     /// In preorder. A tree over `n` leaves has `2 n - 1` nodes.
@@ -42,10 +42,10 @@ struct Node<const E: usize> {
 
 impl<const E: usize> DistinctTriangles<E> {
     /// Replaces the triangles. `O(n log n)`.
-    pub(in crate::query) fn fill(&mut self, triangles: impl Iterator<Item = Placed<E>>) {
+    pub(in crate::query) fn fill(&mut self, triangles: impl Iterator<Item = AtMoments<E>>) {
         self.placed.clear();
         self.placed.extend(triangles.zip(0..));
-        let key = |(corners, number): &(Placed<E>, u32)| {
+        let key = |(corners, number): &(AtMoments<E>, u32)| {
             let coordinates = corners.map(|triangle| triangle.map(|corner| corner.to_array()));
             (coordinates, *number)
         };
@@ -77,8 +77,8 @@ impl<const E: usize> DistinctTriangles<E> {
             let side = |moment: usize| (bounds[moment].max - bounds[moment].min).max_element();
             let moment = (0..E).max_by(|&a, &b| side(a).total_cmp(&side(b))).unwrap_or(0);
             let axis = (bounds[moment].max - bounds[moment].min).max_position();
-            let place = |leaf: &Range<usize>| corners(leaf)[moment].iter().map(|corner| corner[axis]).sum::<f64>();
-            own.select_nth_unstable_by(middle, |s, t| place(s).total_cmp(&place(t)).then(s.start.cmp(&t.start)));
+            let along = |leaf: &Range<usize>| corners(leaf)[moment].iter().map(|corner| corner[axis]).sum::<f64>();
+            own.select_nth_unstable_by(middle, |s, t| along(s).total_cmp(&along(t)).then(s.start.cmp(&t.start)));
         }
         self.nodes.push(Node {
             bounds,
@@ -98,7 +98,7 @@ impl<const E: usize> DistinctTriangles<E> {
     }
 
     /// The equal triangles of a leaf.
-    fn equal(&self, node: usize) -> &[(Placed<E>, u32)] {
+    fn equal(&self, node: usize) -> &[(AtMoments<E>, u32)] {
         &self.placed[self.leaves[self.nodes[node].leaves.start].clone()]
     }
 }
@@ -118,9 +118,10 @@ impl DistinctWalk {
         &mut self,
         [a, b]: [&DistinctTriangles<E>; 2],
         bound: impl Fn(&[Extent; E], &[Extent; E]) -> f64,
-        (mut limit, most): (f64, u64),
+        mut limit: f64,
+        most: u64,
         stats: &mut QueryStats,
-        mut at_pair: impl FnMut(&[(Placed<E>, u32)], &[(Placed<E>, u32)], &mut QueryStats) -> ControlFlow<(), f64>,
+        mut at_pair: impl FnMut(&[(AtMoments<E>, u32)], &[(AtMoments<E>, u32)], &mut QueryStats) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let bound = |(i, j): (usize, usize)| bound(&a.nodes[i].bounds, &b.nodes[j].bounds);
         self.stack.clear();

@@ -1,6 +1,6 @@
 //! The order in which the walk over two trees visits node pairs when it looks for one intersection.
 
-use super::mapped_boxes::Node;
+use super::mapped_boxes::NodePair;
 use crate::bounds::{LANES, lanes_of};
 
 /// Sorts node pairs by their depth, so that the deepest is popped first. Reuses its memory.
@@ -8,7 +8,7 @@ use crate::bounds::{LANES, lanes_of};
 pub(super) struct DepthSort {
     /// Depths, and the indices of their pairs.
     keys: Vec<u64>,
-    pairs: Vec<(Node, Node)>,
+    pairs: Vec<NodePair>,
 }
 
 impl DepthSort {
@@ -28,7 +28,7 @@ impl DepthSort {
     }
 
     #[inline(never)]
-    pub(super) fn sort(&mut self, pairs: &mut [(Node, Node)]) {
+    pub(super) fn sort(&mut self, pairs: &mut [NodePair]) {
         if let [first, second] = pairs {
             if self.keys[0] > self.keys[1] {
                 std::mem::swap(first, second);

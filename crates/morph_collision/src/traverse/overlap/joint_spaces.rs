@@ -6,7 +6,8 @@
 
 use fearless_simd::Simd;
 
-use super::mapped_boxes::MappedGroup;
+use super::mapped_boxes::{MappedGroup, OwnBox};
+use super::trees::Trees;
 use crate::bounds::BoxLanes;
 use crate::pose::BoxTree;
 use crate::traverse::mapping::Mapping;
@@ -47,53 +48,53 @@ impl JointSpaces {
         }
     }
 
-    /// Those of A's children in `mask` whose boxes overlap the box of B's child in the space of A's boxes. The space of B's boxes is left
-    /// out unless `is_leaf`, because otherwise the children of B's child are compared there next.
+    /// Those of A's children in `mask` whose boxes overlap B's box in the space of A's boxes. The space of B's boxes is left out unless
+    /// `is_leaf`, because otherwise the children of B's node are compared there next.
     #[inline(always)]
     pub(super) fn of_a<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: (&mut T, &mut T),
+        trees: &mut Trees<'_, T>,
         a: &MappedGroup,
-        (b, lane, is_leaf): (&MappedGroup, usize, bool),
+        b: OwnBox,
+        is_leaf: bool,
         mut mask: u8,
     ) -> u8 {
         if [a.space, b.space] == [BODY_FRAME; 2] {
             return mask;
         }
-        let of_b = b.in_space.get(lane);
         let maps = self.maps(trees, [a.space, b.space]);
         if a.space != BODY_FRAME {
-            mask &= a.in_space.overlap_mask(simd, &maps.a_from_b.one(&of_b));
+            mask &= a.in_space.overlap_mask(simd, &maps.a_from_b.one(&b.bounds));
         }
         if mask != 0 && is_leaf && b.space != BODY_FRAME {
             let mut mapped = BoxLanes::default();
             maps.b_from_a.all(simd, &a.in_space, &mut mapped);
-            mask &= mapped.overlap_mask(simd, &of_b);
+            mask &= mapped.overlap_mask(simd, &b.bounds);
         }
         mask
     }
 
-    /// Those of B's children in `mask` whose boxes overlap the box of A's child in the spaces of both.
+    /// Those of B's children in `mask` whose boxes overlap A's box in the spaces of both. `slots` are those of A's box and of B's children.
     #[inline(always)]
     pub(super) fn of_b<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: (&mut T, &mut T),
-        ((a, slot_a), lane): ((&MappedGroup, usize), usize),
-        (b, slot_b): (&MappedGroup, usize),
+        trees: &mut Trees<'_, T>,
+        a: OwnBox,
+        b: &MappedGroup,
+        slots: [usize; 2],
         mut mask: u8,
     ) -> u8 {
         if [a.space, b.space] == [BODY_FRAME; 2] {
             return mask;
         }
-        let of_a = a.in_space.get(lane);
         if b.space != BODY_FRAME {
-            let maps = self.maps((&mut *trees.0, &mut *trees.1), [a.space, b.space]);
-            mask &= b.in_space.overlap_mask(simd, &maps.b_from_a.one(&of_a));
+            let maps = self.maps(trees, [a.space, b.space]);
+            mask &= b.in_space.overlap_mask(simd, &maps.b_from_a.one(&a.bounds));
         }
         if mask != 0 && a.space != BODY_FRAME {
-            let slots = Some([slot_a, slot_b]);
+            let slots = Some(slots);
             if self.slots != slots {
                 let mut mapped = BoxLanes::default();
                 self.maps(trees, [a.space, b.space])
@@ -101,23 +102,23 @@ impl JointSpaces {
                     .all(simd, &b.in_space, &mut mapped);
                 (self.mapped, self.slots) = (mapped, slots);
             }
-            mask &= self.mapped.overlap_mask(simd, &of_a);
+            mask &= self.mapped.overlap_mask(simd, &a.bounds);
         }
         mask
     }
 
     #[inline(always)]
-    fn maps<T: BoxTree>(&mut self, trees: (&mut T, &mut T), spaces: [usize; 2]) -> &Maps {
+    fn maps<T: BoxTree>(&mut self, trees: &mut Trees<'_, T>, spaces: [usize; 2]) -> &Maps {
         let entry = (spaces[0] * 31 + spaces[1]) % KEPT;
         let is_current = |maps: &Maps| maps.query == self.query && maps.spaces == spaces;
         if !self.maps.get(entry).is_some_and(is_current) {
-            self.compute(trees, spaces, entry);
+            self.compute(trees.a, trees.b, spaces, entry);
         }
         &self.maps[entry]
     }
 
     #[inline(never)]
-    fn compute<T: BoxTree>(&mut self, (a, b): (&mut T, &mut T), spaces: [usize; 2], entry: usize) {
+    fn compute<T: BoxTree>(&mut self, a: &mut T, b: &mut T, spaces: [usize; 2], entry: usize) {
         if self.maps.is_empty() {
             self.maps.resize(KEPT, Maps::default());
         }

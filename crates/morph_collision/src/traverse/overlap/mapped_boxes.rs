@@ -92,6 +92,15 @@ impl MappedGroup {
         mask
     }
 
+    /// A child's box in its own space.
+    #[inline(always)]
+    pub(super) fn own_box(&self, lane: usize) -> OwnBox {
+        OwnBox {
+            space: self.space,
+            bounds: self.in_space.get(lane),
+        }
+    }
+
     /// Roughly how deep each child overlaps a child of another body.
     #[inline(always)]
     pub(super) fn depths<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> [f32; LANES] {
@@ -99,6 +108,13 @@ impl MappedGroup {
         self.frames[0].depths(simd, &other.frames[0].get(lane), &mut depths);
         depths
     }
+}
+
+/// Where the box of a node is: a slot of a body's [`MappedBoxes`], and a lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxAt {
+    pub(super) slot: usize,
+    pub(super) lane: usize,
 }
 
 /// A node of one body: its child entry, and the location of its box in the body's [`MappedBoxes`].
@@ -119,6 +135,35 @@ impl Node {
     pub(super) fn lane(self) -> usize {
         self.at as usize % LANES
     }
+
+    #[inline(always)]
+    pub(super) fn box_at(self) -> BoxAt {
+        BoxAt {
+            slot: self.slot(),
+            lane: self.lane(),
+        }
+    }
+}
+
+/// A box in the space in which it was blended.
+#[derive(Clone, Copy)]
+pub(super) struct OwnBox {
+    pub(super) space: usize,
+    pub(super) bounds: Aabb,
+}
+
+/// A pair of nodes, one of each body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NodePair {
+    pub(super) a: Node,
+    pub(super) b: Node,
+}
+
+impl NodePair {
+    #[inline(always)]
+    pub(super) fn are_leaves(self) -> bool {
+        self.a.child.is_leaf() && self.b.child.is_leaf()
+    }
 }
 
 /// The boxes of one body that a query has looked at, in every frame. The next query reuses the memory.
@@ -133,8 +178,8 @@ pub(super) struct MappedBoxes {
     /// Converts lengths to the first body's units.
     scale: f32,
     /// Indexed by group.
-    opened: EpochCache<MappedGroup>,
-    /// The boxes at both ends of a motion, in the first frame. Indexed by slot of `opened`. Filled only if the tree's boxes move.
+    groups: EpochCache<MappedGroup>,
+    /// The boxes at both ends of a motion, in the first frame. Indexed by slot of `groups`. Filled only if the tree's boxes move.
     moving: Vec<MovingLanes>,
 }
 
@@ -145,16 +190,16 @@ impl MappedBoxes {
         self.joints.begin(of.is_skinned);
         self.keeps_spaces = any_skinned;
         self.scale = scale;
-        self.opened.next_epoch();
-        let slot = self.opened.claim(NodeId::ROOT.group as usize);
-        let opened = self.opened.get_mut(slot);
-        opened.children[0] = of.root;
-        (opened.group, opened.mask, opened.len) = (NodeId::ROOT.group, 1, 1);
-        opened.space = BODY_FRAME;
+        self.groups.next_epoch();
+        let slot = self.groups.claim(NodeId::ROOT.group as usize);
+        let entry = self.groups.get_mut(slot);
+        entry.children[0] = of.root;
+        (entry.group, entry.mask, entry.len) = (NodeId::ROOT.group, 1, 1);
+        entry.space = BODY_FRAME;
         if any_skinned {
-            opened.in_space.set(0, &of.bounds);
+            entry.in_space.set(0, &of.bounds);
         }
-        for frame in &mut opened.frames {
+        for frame in &mut entry.frames {
             frame.set(0, &Aabb::UNBOUNDED);
         }
     }
@@ -166,7 +211,7 @@ impl MappedBoxes {
         self.mappings[index].set(frame);
         self.joints.push_frame(index, frame);
         let mapped = self.mappings[index].one(bounds);
-        let root = self.opened.get_mut(0);
+        let root = self.groups.get_mut(0);
         root.frames[index].set(0, &mapped);
         root.sizes.0[0] = bounds.girth() * self.scale;
         mapped
@@ -175,7 +220,7 @@ impl MappedBoxes {
     /// The slot of a group's children. Blends and maps their boxes on the first call.
     #[inline(always)]
     pub(super) fn open(&mut self, tree: &mut impl BoxTree, group: usize) -> usize {
-        match self.opened.find(group) {
+        match self.groups.find(group) {
             Some(slot) => slot,
             None => self.map_group(tree, group),
         }
@@ -183,27 +228,27 @@ impl MappedBoxes {
 
     #[inline(never)]
     fn map_group<T: BoxTree>(&mut self, tree: &mut T, group: usize) -> usize {
-        let slot = self.opened.claim(group);
-        let opened = self.opened.get_mut(slot);
+        let slot = self.groups.claim(group);
+        let entry = self.groups.get_mut(slot);
         let children = tree.topology().group(group);
-        opened.children = *children.lanes();
-        opened.group = group as u32;
-        opened.mask = children.mask();
-        opened.len = children.children().len() as u8;
+        entry.children = *children.lanes();
+        entry.group = group as u32;
+        entry.mask = children.mask();
+        entry.len = children.children().len() as u8;
         let used = self.used.min(FRAMES);
         if let Some(own) = tree.open_in_joint_frame(group) {
             let mappings = &self.joints.mappings(tree, own.frame)[..used];
             if let Some(boxes) = tree.frame_boxes(own) {
-                (opened.space, opened.in_space) = (own.frame, *boxes);
-                with_simd!(tree.level(), simd => opened.fill(simd, boxes, mappings, self.scale));
+                (entry.space, entry.in_space) = (own.frame, *boxes);
+                with_simd!(tree.level(), simd => entry.fill(simd, boxes, mappings, self.scale));
             }
         } else {
             let blended = tree.open(group);
-            opened.space = BODY_FRAME;
+            entry.space = BODY_FRAME;
             if self.keeps_spaces {
-                opened.in_space = *tree.boxes(blended);
+                entry.in_space = *tree.boxes(blended);
             }
-            with_simd!(tree.level(), simd => opened.fill(simd, tree.boxes(blended), &self.mappings[..used], self.scale));
+            with_simd!(tree.level(), simd => entry.fill(simd, tree.boxes(blended), &self.mappings[..used], self.scale));
             if T::MOVES {
                 self.map_moving(tree, blended, slot);
             }
@@ -212,25 +257,25 @@ impl MappedBoxes {
     }
 
     #[inline(always)]
-    pub(super) fn opened(&self, slot: usize) -> &MappedGroup {
-        self.opened.get(slot)
+    pub(super) fn group(&self, slot: usize) -> &MappedGroup {
+        self.groups.get(slot)
     }
 
     /// The node and its siblings.
     #[inline(always)]
-    pub(super) fn siblings(&self, node: Node) -> &MappedGroup {
-        self.opened.get(node.slot())
+    pub(super) fn group_of(&self, node: Node) -> &MappedGroup {
+        self.groups.get(node.slot())
     }
 
     #[inline(always)]
     pub(super) fn size(&self, node: Node) -> f32 {
-        self.siblings(node).sizes.0[node.lane()]
+        self.group_of(node).sizes.0[node.lane()]
     }
 
     #[inline(always)]
     pub(super) fn child(&self, slot: usize, lane: usize) -> Node {
         Node {
-            child: self.opened.get(slot).children[lane % LANES],
+            child: self.groups.get(slot).children[lane % LANES],
             at: (slot * LANES + lane) as u32,
         }
     }
@@ -241,18 +286,10 @@ impl MappedBoxes {
         self.map_moving(tree, root, 0);
     }
 
-    /// The children in a slot that overlap a child in a slot of another body at some time, as a bit mask. Sets `enter` to lower bounds of
-    /// these times.
+    /// The children in a slot that overlap a box of another body at some time, as a bit mask. Sets `enter` to lower bounds of these times.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(
-        &self,
-        simd: S,
-        slot: usize,
-        (other, node): (&Self, (usize, usize)),
-        enter: &mut [f32; LANES],
-    ) -> u8 {
-        let (other_slot, lane) = node;
-        self.moving[slot].meet(simd, &other.moving[other_slot], lane, enter)
+    pub(super) fn meet<S: Simd>(&self, simd: S, slot: usize, other: &Self, at: BoxAt, enter: &mut [f32; LANES]) -> u8 {
+        self.moving[slot].meet(simd, &other.moving[at.slot], at.lane, enter)
     }
 
     fn map_moving(&mut self, tree: &impl BoxTree, boxes: usize, slot: usize) {
@@ -275,7 +312,7 @@ impl MappedBoxes {
 
     pub(super) fn id(&self, node: Node) -> NodeId {
         NodeId {
-            group: self.siblings(node).group,
+            group: self.group_of(node).group,
             lane: node.lane() as u8,
         }
     }

@@ -3,6 +3,7 @@
 mod depth_sort;
 mod joint_spaces;
 mod mapped_boxes;
+mod trees;
 mod walk;
 
 pub(crate) use walk::{Order, OverlapWalk};

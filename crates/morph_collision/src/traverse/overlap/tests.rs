@@ -48,7 +48,7 @@ impl<'p> Walk<'p> {
     fn run_from(&mut self, front: &[(NodeId, NodeId)], order: Order, flow: ControlFlow<()>) -> ControlFlow<()> {
         self.lists.clear();
         let Self { walk, a, b, lists } = self;
-        walk.run((a, b), front, order, &mut |a, b, leaves| {
+        walk.run(a, b, front, order, &mut |a, b, leaves| {
             lists.push(
                 leaves
                     .iter()

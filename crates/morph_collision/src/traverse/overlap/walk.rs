@@ -8,7 +8,8 @@ use fearless_simd::Simd;
 
 use super::depth_sort::DepthSort;
 use super::joint_spaces::JointSpaces;
-use super::mapped_boxes::{MappedBoxes, Node};
+use super::mapped_boxes::{BoxAt, MappedBoxes, Node, NodePair};
+use super::trees::Trees;
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
 use crate::pose::{BoxTree, PlacedBody};
 use crate::traverse::one_tree::Entry;
@@ -52,10 +53,10 @@ pub(crate) struct OverlapWalk {
     joint_spaces: JointSpaces,
     any_skinned: bool,
     /// The node pairs still to visit.
-    stack: Vec<(Node, Node)>,
+    stack: Vec<NodePair>,
     /// The same for [`Order::EarliestFirst`], with lower bounds of the times at which their boxes overlap. Its stack has those of which the
     /// bound is not lower than that of the last one from the queue.
-    queue: BinaryHeap<Entry<(Node, Node)>>,
+    queue: BinaryHeap<Entry<NodePair>>,
     /// Such bounds for the lanes that were compared last.
     enter: [f32; LANES],
     leaves: Vec<(Leaf, Leaf)>,
@@ -112,12 +113,13 @@ impl OverlapWalk {
     /// Starts at the node pairs in `front`. If it is empty, starts at the roots, which the caller has tested already.
     pub(crate) fn run<T: BoxTree>(
         &mut self,
-        (a, b): (&mut T, &mut T),
+        a: &mut T,
+        b: &mut T,
         front: &[(NodeId, NodeId)],
         order: Order<'_>,
         at_leaves: &mut AtLeaves<'_, T>,
     ) -> ControlFlow<()> {
-        with_simd!(a.level(), simd => self.walk(simd, (a, b), front, order, at_leaves))
+        with_simd!(a.level(), simd => self.walk(simd, Trees { a, b }, front, order, at_leaves))
     }
 
     /// Expands the roots, level by level, into at least `least` node pairs (fewer if there are not that many), in the order of
@@ -129,85 +131,95 @@ impl OverlapWalk {
             let mut next = Vec::new();
             done = true;
             for (id_a, id_b) in front {
-                let pair = (self.a.node(a, id_a), self.b.node(b, id_b));
-                if pair.0.child.is_leaf() && pair.1.child.is_leaf() {
+                let pair = NodePair {
+                    a: self.a.node(a, id_a),
+                    b: self.b.node(b, id_b),
+                };
+                if pair.are_leaves() {
                     next.push((id_a, id_b));
                     continue;
                 }
                 done = false;
                 self.stack.clear();
-                with_simd!(a.level(), simd => self.descend(simd, (a, b), pair, Order::Expand));
+                let trees = &mut Trees { a: &mut *a, b: &mut *b };
+                with_simd!(trees.a.level(), simd => self.descend(simd, trees, pair, Order::Expand));
                 // The order of the walk: first leaf pairs in the order they were pushed, then all other pairs in reverse.
-                let (leaves, nodes): (Vec<_>, Vec<_>) = self
-                    .stack
-                    .drain(..)
-                    .partition(|(a, b)| a.child.is_leaf() && b.child.is_leaf());
+                let (leaves, nodes): (Vec<_>, Vec<_>) = self.stack.drain(..).partition(|pair| pair.are_leaves());
                 let in_order = leaves.into_iter().chain(nodes.into_iter().rev());
-                next.extend(in_order.map(|(a, b)| (self.a.id(a), self.b.id(b))));
+                next.extend(in_order.map(|pair| (self.a.id(pair.a), self.b.id(pair.b))));
             }
             front = next;
         }
         front
     }
 
+    /// ```text
+    /// push each pair of the front whose boxes overlap
+    /// while a pair is left, in the given order:
+    ///     two leaves                     -> pass them on, many at a time or one by one
+    ///     A is a leaf or B is larger     -> B's children that overlap A, each with A
+    ///     B is a leaf or A is larger     -> A's children that overlap B, each with B
+    ///     both are of about the same size -> for each child of A that overlaps B: B's children that overlap it, each with it
+    /// ```
+    ///
+    /// Boxes are compared in every frame, eight at once; those that overlap there again in time if they move ([`MappedBoxes::meet`]), and
+    /// in the spaces of their joints if a body is skinned ([`JointSpaces`]).
     #[inline(always)]
     fn walk<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        (a, b): (&mut T, &mut T),
+        mut trees: Trees<'_, T>,
         front: &[(NodeId, NodeId)],
         order: Order<'_>,
         at_leaves: &mut AtLeaves<'_, T>,
     ) -> ControlFlow<()> {
+        let trees = &mut trees;
         self.stack.clear();
         self.queue.clear();
         self.leaves.clear();
         if T::MOVES {
-            self.a.begin_moving(a);
-            self.b.begin_moving(b);
+            self.a.begin_moving(trees.a);
+            self.b.begin_moving(trees.b);
         }
         let roots = [(NodeId::ROOT, NodeId::ROOT)];
         for (id_a, id_b) in if front.is_empty() { &roots } else { front } {
-            let pair = (self.a.node(a, *id_a), self.b.node(b, *id_b));
+            let pair = NodePair {
+                a: self.a.node(trees.a, *id_a),
+                b: self.b.node(trees.b, *id_b),
+            };
             self.node_tests += 1;
             let overlap = || {
-                self.a
-                    .siblings(pair.0)
-                    .overlaps(simd, self.b.siblings(pair.1), pair.1.lane())
+                let of_b = self.b.group_of(pair.b);
+                self.a.group_of(pair.a).overlaps(simd, of_b, pair.b.lane())
             };
-            if !front.is_empty() && overlap() >> pair.0.lane() & 1 == 0 {
+            if !front.is_empty() && overlap() >> pair.a.lane() & 1 == 0 {
                 continue;
             }
             self.enter[0] = 0.0;
             self.push(pair, 0, order);
-            while let Some((node_a, node_b)) = self.next(order) {
+            while let Some(pair) = self.next(order) {
                 if self.node_tests > self.most {
                     self.is_cut = true;
                     return ControlFlow::Break(());
                 }
-                match (node_a.child.kind(), node_b.child.kind()) {
+                match (pair.a.child.kind(), pair.b.child.kind()) {
                     (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => self.leaves.push((leaf_a, leaf_b)),
-                    _ => self.descend(simd, (a, b), (node_a, node_b), order),
+                    _ => self.descend(simd, trees, pair, order),
                 }
                 let is_one_by_one = matches!(order, Order::DeepestFirst | Order::EarliestFirst(_));
                 if self.leaves.len() >= LEAF_PAIRS || is_one_by_one && !self.leaves.is_empty() {
-                    at_leaves(a, b, &self.leaves)?;
+                    at_leaves(trees.a, trees.b, &self.leaves)?;
                     self.leaves.clear();
                 }
             }
         }
-        at_leaves(a, b, &self.leaves)
+        at_leaves(trees.a, trees.b, &self.leaves)
     }
 
     /// Pushes the overlapping pairs below two nodes, at least one of which is not a leaf.
     #[inline(always)]
-    fn descend<S: Simd, T: BoxTree>(
-        &mut self,
-        simd: S,
-        (a, b): (&mut T, &mut T),
-        (node_a, node_b): (Node, Node),
-        order: Order<'_>,
-    ) {
+    fn descend<S: Simd, T: BoxTree>(&mut self, simd: S, trees: &mut Trees<'_, T>, pair: NodePair, order: Order<'_>) {
+        let NodePair { a: node_a, b: node_b } = pair;
         // Whether a node is so much larger than the other that only it is opened.
         let dominates = |own: f32, other: f32| own >= MAX_SIZE_RATIO * other;
         let first = self.stack.len();
@@ -216,29 +228,37 @@ impl OverlapWalk {
             (ChildKind::Group(group), _)
                 if node_b.child.is_leaf() || dominates(self.a.size(node_a), self.b.size(node_b)) =>
             {
-                let slot = self.a.open(a, group);
-                let rows = self.rows(simd, (a, b), slot, node_b);
+                let slot = self.a.open(trees.a, group);
+                let rows = self.rows(simd, trees, slot, node_b);
                 if order == Order::DeepestFirst && rows.count_ones() > 1 {
-                    let depths = self.a.opened(slot).depths(simd, self.b.siblings(node_b), node_b.lane());
+                    let depths = self.a.group(slot).depths(simd, self.b.group_of(node_b), node_b.lane());
                     self.by_depth.add(rows, &depths);
                 }
                 for lane in lanes_of(rows) {
-                    self.push((self.a.child(slot, lane), node_b), lane, order);
+                    let pair = NodePair {
+                        a: self.a.child(slot, lane),
+                        b: node_b,
+                    };
+                    self.push(pair, lane, order);
                 }
             }
             (kind, ChildKind::Group(group_b)) => {
                 // Opening both takes as many tests as opening one after the other, but one step of the walk.
                 let (slot_a, rows) = match kind {
                     ChildKind::Group(group_a) if !dominates(self.b.size(node_b), self.a.size(node_a)) => {
-                        let slot = self.a.open(a, group_a);
-                        (slot, self.rows(simd, (a, b), slot, node_b))
+                        let slot = self.a.open(trees.a, group_a);
+                        (slot, self.rows(simd, trees, slot, node_b))
                     }
                     _ => (node_a.slot(), 1 << node_a.lane()),
                 };
                 if rows != 0 {
-                    let slot_b = self.b.open(b, group_b);
+                    let slot_b = self.b.open(trees.b, group_b);
                     for row in lanes_of(rows) {
-                        self.descend_row(simd, (a, b), (slot_a, row), slot_b, order);
+                        let at_a = BoxAt {
+                            slot: slot_a,
+                            lane: row,
+                        };
+                        self.descend_row(simd, trees, at_a, slot_b, order);
                     }
                 }
             }
@@ -251,56 +271,61 @@ impl OverlapWalk {
 
     /// The children in a slot of A that overlap a node of B.
     #[inline(always)]
-    fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, trees: (&mut T, &mut T), slot: usize, node_b: Node) -> u8 {
-        let (opened, other, lane) = (self.a.opened(slot), self.b.siblings(node_b), node_b.lane());
-        self.node_tests += u64::from(opened.len);
-        let mut mask = opened.overlaps(simd, other, lane);
+    fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, trees: &mut Trees<'_, T>, slot: usize, node_b: Node) -> u8 {
+        let (group, other, lane) = (self.a.group(slot), self.b.group_of(node_b), node_b.lane());
+        self.node_tests += u64::from(group.len);
+        let mut mask = group.overlaps(simd, other, lane);
         if T::MOVES && mask != 0 {
-            let with = (&self.b, (node_b.slot(), lane));
-            mask &= self.a.meet(simd, slot, with, &mut self.enter);
+            mask &= self.a.meet(simd, slot, &self.b, node_b.box_at(), &mut self.enter);
         }
         if mask == 0 || !self.any_skinned {
             return mask;
         }
-        let of_b = (other, lane, node_b.child.is_leaf());
-        self.joint_spaces.of_a(simd, trees, opened, of_b, mask)
+        let (own, is_leaf) = (other.own_box(lane), node_b.child.is_leaf());
+        self.joint_spaces.of_a(simd, trees, group, own, is_leaf, mask)
     }
 
-    /// Pushes the children in a slot of B that overlap a child in a slot of A.
+    /// Pushes the children in a slot of B that overlap a child of A.
     #[inline(always)]
     fn descend_row<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: (&mut T, &mut T),
-        (slot_a, row): (usize, usize),
+        trees: &mut Trees<'_, T>,
+        at_a: BoxAt,
         slot_b: usize,
         order: Order<'_>,
     ) {
-        let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
-        self.node_tests += u64::from(opened_b.len);
-        let mut mask = opened_b.overlaps(simd, opened_a, row);
+        let (group_a, group_b) = (self.a.group(at_a.slot), self.b.group(slot_b));
+        self.node_tests += u64::from(group_b.len);
+        let mut mask = group_b.overlaps(simd, group_a, at_a.lane);
         if T::MOVES && mask != 0 {
-            mask &= self.b.meet(simd, slot_b, (&self.a, (slot_a, row)), &mut self.enter);
+            mask &= self.b.meet(simd, slot_b, &self.a, at_a, &mut self.enter);
         }
         if mask != 0 && self.any_skinned {
-            let of_a = ((opened_a, slot_a), row);
-            mask = self.joint_spaces.of_b(simd, trees, of_a, (opened_b, slot_b), mask);
+            let own = group_a.own_box(at_a.lane);
+            mask = self
+                .joint_spaces
+                .of_b(simd, trees, own, group_b, [at_a.slot, slot_b], mask);
         }
         if mask == 0 {
             return;
         }
         if order == Order::DeepestFirst {
-            self.by_depth.add(mask, &opened_b.depths(simd, opened_a, row));
+            self.by_depth.add(mask, &group_b.depths(simd, group_a, at_a.lane));
         }
-        let node_a = self.a.child(slot_a, row);
+        let node_a = self.a.child(at_a.slot, at_a.lane);
         for lane in lanes_of(mask) {
-            self.push((node_a, self.b.child(slot_b, lane)), lane, order);
+            let pair = NodePair {
+                a: node_a,
+                b: self.b.child(slot_b, lane),
+            };
+            self.push(pair, lane, order);
         }
     }
 
     /// Adds a pair of nodes, one of which is in this lane of those that were compared last.
     #[inline(always)]
-    fn push(&mut self, pair: (Node, Node), lane: usize, order: Order<'_>) {
+    fn push(&mut self, pair: NodePair, lane: usize, order: Order<'_>) {
         if let Order::EarliestFirst(latest) = order {
             let bound = f64::from(self.enter[lane % LANES]);
             if bound <= latest.get() {
@@ -311,7 +336,7 @@ impl OverlapWalk {
                 }
             }
         } else if order == Order::Any
-            && let (ChildKind::Leaf(a), ChildKind::Leaf(b)) = (pair.0.child.kind(), pair.1.child.kind())
+            && let (ChildKind::Leaf(a), ChildKind::Leaf(b)) = (pair.a.child.kind(), pair.b.child.kind())
         {
             self.leaves.push((a, b));
         } else {
@@ -320,7 +345,7 @@ impl OverlapWalk {
     }
 
     #[inline(always)]
-    fn next(&mut self, order: Order<'_>) -> Option<(Node, Node)> {
+    fn next(&mut self, order: Order<'_>) -> Option<NodePair> {
         if let Some(pair) = self.stack.pop() {
             return Some(pair);
         }

@@ -10,7 +10,7 @@ pub(crate) const HEADING: &str = "Methods";
 pub(crate) const HYBRID_BINARY: &str = "hybrid-binary";
 
 /// All methods with a description each.
-const METHODS: [(&str, &str); 15] = [
+const METHODS: [(&str, &str); 12] = [
     ("morph", "this library's method"),
     (
         "morph-eager",
@@ -29,14 +29,8 @@ const METHODS: [(&str, &str); 15] = [
     ("bottom-up", "refits all boxes from the leaves up"),
     ("joint-boxes", "boxes from one box per joint; for skinned models"),
     ("joint-union", "looser boxes from one box per joint; for skinned models"),
-    ("rebuild", "rebuilds the tree in every frame"),
     ("parry-trimesh", "Parry's triangle mesh with updated vertices"),
     ("parry-bvh", "Parry's tree, refitted"),
-    ("parry-rebuild", "Parry's tree, rebuilt in every frame"),
-    (
-        "octree",
-        "an octree of the triangles where bounding boxes overlap; slow, and not for skinned models",
-    ),
     (
         "brute-force",
         "all triangles against all, in exact arithmetic; very slow",

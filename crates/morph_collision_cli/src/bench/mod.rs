@@ -24,12 +24,12 @@ use crate::{Verdict, output};
 use report::BenchReport;
 use scenes::BenchScene;
 
-/// Rounds in which times are split into phases. The shares need only one round, and rebuilding is slow.
+/// Rounds in which times are split into phases. The shares need only one round.
 const SPLIT_ROUNDS: usize = 1;
 
 const EXAMPLES: &str = "Examples:
   morph-collide bench face.glb
-  morph-collide bench face.glb --method parry-bvh --method rebuild --bodies 4";
+  morph-collide bench face.glb --method parry-bvh --method hybrid --bodies 4";
 
 const LONG: &str = "How times are taken:
 
@@ -71,7 +71,7 @@ pub(crate) struct BenchArgs {
     /// asked for it.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
-    /// Compare morph only with this method; can be repeated. By default all but octree and brute-force.
+    /// Compare morph only with this method; can be repeated. By default all but brute-force.
     #[arg(long = "method", value_name = "NAME", value_parser = methods::names(), help_heading = methods::HEADING)]
     methods: Vec<String>,
     /// What to find about each pair of bodies; by default both are measured. Scenes with rays have only one mode.

@@ -189,7 +189,7 @@ mod tests {
                     method("morph", 1.0),
                     method("rigid-floor", 0.5),
                     method("hybrid", 0.94),
-                    method("rebuild", 7.0),
+                    method("bottom-up", 7.0),
                 ],
             }],
         };

@@ -42,7 +42,7 @@ fn arity(text: &str) -> Result<usize, String> {
 impl MethodArgs {
     /// Checks that the method and the mode support every option that was given.
     pub(super) fn check(&self, mode: Mode) -> Result<(), CliError> {
-        use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
+        use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, RigidFloor};
         let method = methods::kind(&self.method);
         if mode.is_of_surfaces() && method != Morph {
             let reason = format!("mode {} works only with morph", mode.name());
@@ -56,11 +56,7 @@ impl MethodArgs {
         let of_paper = self.paper.given().map(|(flag, given)| (flag, given, paper));
         let others = [
             ("--arity", self.arity.is_some(), has_arity && !binary),
-            (
-                "--leaf",
-                self.tree.leaf().is_some(),
-                ours || has_arity || method == Rebuild,
-            ),
+            ("--leaf", self.tree.leaf().is_some(), ours || has_arity),
             ("--witness", self.witness, matches!(method, Morph | MorphEager)),
         ];
         for (flag, given, fits) in of_paper.into_iter().chain(others) {

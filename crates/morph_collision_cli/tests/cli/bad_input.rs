@@ -225,8 +225,11 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
         (&["--volume", "kdop18"], &["--volume", "morph"]),
         (&["--in-betweens"], &["--in-betweens", "morph"]),
         (&["--method", "paper", "--arity", "2"], &["--arity", "paper"]),
-        (&["--method", "rebuild", "--arity", "2"], &["--arity", "rebuild"]),
-        (&["--method", "octree", "--leaf", "2"], &["--leaf", "octree"]),
+        (
+            &["--method", "parry-trimesh", "--arity", "2"],
+            &["--arity", "parry-trimesh"],
+        ),
+        (&["--method", "brute-force", "--leaf", "2"], &["--leaf", "brute-force"]),
         (&["--method", "parry-bvh", "--witness"], &["--witness", "parry-bvh"]),
         (&["--witness"], &["--witness", "--mode first"]),
     ] {
@@ -237,7 +240,7 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
         assert_names(&error_of(&morph_collide(args.concat())?), names);
     }
     for options in [
-        &["--method", "rebuild", "--leaf", "3"][..],
+        &["--method", "hybrid", "--leaf", "3"][..],
         &["--method", "bottom-up", "--arity", "2", "--leaf", "2"],
         &["--method", "morph-eager", "--leaf", "2"],
         &["--witness", "--mode", "any"],

@@ -41,7 +41,6 @@ fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
             "hybrid",
             "hybrid-binary",
             "bottom-up",
-            "rebuild",
             "parry-trimesh",
             "parry-bvh",
         ] {

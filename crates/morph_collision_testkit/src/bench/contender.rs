@@ -59,7 +59,7 @@ const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
     /// All methods that a benchmark runs, ours first.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 11] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
         Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
         Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
@@ -69,17 +69,12 @@ impl Entrant {
         Self::new("bottom-up", MethodKind::BottomUp, WIDE),
         Self::new("joint-boxes", MethodKind::JointBoxes, WIDE),
         Self::new("joint-union", MethodKind::JointUnion, WIDE),
-        Self::new("rebuild", MethodKind::Rebuild, WIDE),
         Self::new("parry-trimesh", MethodKind::ParryTriMesh, WIDE),
         Self::new("parry-bvh", MethodKind::ParryBvh, WIDE),
-        Self::new("parry-rebuild", MethodKind::ParryRebuild, WIDE),
     ];
 
     /// Methods that are far slower than all others, so that they run only if they are asked for.
-    pub const SLOW: [Self; 2] = [
-        Self::new("octree", MethodKind::Octree, Trees::Ours),
-        Self::new("brute-force", MethodKind::BruteForce, Trees::Ours),
-    ];
+    pub const SLOW: [Self; 1] = [Self::new("brute-force", MethodKind::BruteForce, Trees::Ours)];
 
     const fn new(name: &'static str, kind: MethodKind, trees: Trees) -> Self {
         Self { name, kind, trees }

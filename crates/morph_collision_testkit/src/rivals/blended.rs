@@ -5,7 +5,6 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision::{InputError, JointMatrices, ModelError, Triangle, WorldFromModel};
 
-use super::bytes::of_list;
 use super::skin::{SkinnedBody, WeldedSkin};
 use super::{PoseError, WeightLimits};
 use crate::mesh::MorphMesh;
@@ -72,13 +71,6 @@ impl WeldedMesh {
                 (index, vertex, delta)
             })
         })
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let of_target = |target: &Target| target.vertices.as_ref().map_or(0, of_list) + of_list(&target.deltas);
-        let of_targets: usize = self.targets.iter().map(of_target).sum();
-        let of_skin = self.skin.as_ref().map_or(0, WeldedSkin::bytes);
-        of_list(&self.base) + of_list(&self.triangles) + of_list(&self.targets) + of_targets + of_skin
     }
 
     /// Every vertex in model space: `f32`, ascending target order, zero weights skipped, multiply then add.
@@ -180,10 +172,6 @@ impl BlendedBody {
         if let Some(skinned) = &mut self.skinned {
             skinned.changed = false;
         }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        of_list(&self.weights) + self.skinned.as_ref().map_or(0, SkinnedBody::bytes)
     }
 
     /// The joints of a skinned body.

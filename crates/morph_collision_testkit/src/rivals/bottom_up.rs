@@ -6,13 +6,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::MethodOptions;
 use super::blended::WeldedMesh;
 use super::boxes::{Box3, Box8};
 use super::build::{Builder, Cut, Limits};
-use super::bytes::of_list;
 use super::tree::{Child, Tree, VertexLists};
 use super::walk::Refit;
-use super::{MethodBytes, MethodOptions};
 
 /// A tree whose boxes are all updated at once.
 #[derive(Clone, Debug)]
@@ -75,13 +74,6 @@ impl Refit for BottomUp {
 
     fn tree(&self) -> &Tree {
         &self.tree
-    }
-
-    fn bytes(&self) -> Option<MethodBytes> {
-        Some(MethodBytes {
-            shared: self.tree.bytes() + self.leaves.bytes(),
-            body: of_list(&self.boxes),
-        })
     }
 
     #[inline]

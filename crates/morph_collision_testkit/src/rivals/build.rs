@@ -41,7 +41,7 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    /// Rebuilds `tree` over posed triangles.
+    /// Builds `tree` over posed triangles.
     pub(super) fn build(&mut self, tree: &mut Tree, corners: &[[u32; 3]], posed: &[Vec3], cut: Cut, limits: Limits) {
         let points = |corners: &[u32; 3]| corners.map(|vertex| posed[vertex as usize]);
         self.items.clear();

@@ -6,13 +6,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::MethodOptions;
 use super::blended::WeldedMesh;
 use super::bottom_up::{box_around, tree_at_rest};
 use super::boxes::Box8;
-use super::bytes::of_list;
 use super::tree::{Child, Tree, VertexLists};
 use super::walk::Refit;
-use super::{MethodBytes, MethodOptions};
 
 /// A tree whose upper half of levels is updated at once, and the rest on demand.
 #[derive(Clone, Debug)]
@@ -90,13 +89,6 @@ impl Refit for Hybrid {
 
     fn tree(&self) -> &Tree {
         &self.tree
-    }
-
-    fn bytes(&self) -> Option<MethodBytes> {
-        Some(MethodBytes {
-            shared: self.tree.bytes() + self.vertices.bytes() + of_list(&self.upper),
-            body: of_list(&self.boxes) + of_list(&self.stamps),
-        })
     }
 
     #[inline]

@@ -12,10 +12,8 @@ use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
 use super::joint_boxes::{JointBoxes, OfJoints, OfNode};
 use super::morph::{Follow, Morph};
-use super::octree::Octree;
 use super::paper::{self, PaperOptions};
-use super::parry::{Meshed, Parry, Rebuilt, Refitted};
-use super::rebuild::Rebuild;
+use super::parry::{Meshed, Parry, Refitted};
 use super::rigid_floor::RigidFloor;
 use super::walk::Trees;
 use super::{Method, MethodOptions, SetUpError};
@@ -41,23 +39,17 @@ pub enum MethodKind {
     JointBoxes,
     /// The same with boxes around all vertices of a node.
     JointUnion,
-    /// Rebuilds the tree.
-    Rebuild,
-    /// An octree of the faces where two bodies' boxes overlap.
-    Octree,
     /// Parry's triangle mesh with updated vertices.
     ParryTriMesh,
     /// Parry's tree, refitted.
     ParryBvh,
-    /// Parry's tree, rebuilt.
-    ParryRebuild,
     /// All triangles against all, by the oracle.
     BruteForce,
 }
 
 impl MethodKind {
     /// All methods; the paper's with boxes.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 11] = [
         Self::Morph,
         Self::MorphEager,
         Self::RigidFloor,
@@ -66,11 +58,8 @@ impl MethodKind {
         Self::Hybrid,
         Self::JointBoxes,
         Self::JointUnion,
-        Self::Rebuild,
-        Self::Octree,
         Self::ParryTriMesh,
         Self::ParryBvh,
-        Self::ParryRebuild,
         Self::BruteForce,
     ];
 
@@ -84,11 +73,8 @@ impl MethodKind {
             Self::Hybrid => "hybrid",
             Self::JointBoxes => "joint-boxes",
             Self::JointUnion => "joint-union",
-            Self::Rebuild => "rebuild",
-            Self::Octree => "octree",
             Self::ParryTriMesh => "parry-trimesh",
             Self::ParryBvh => "parry-bvh",
-            Self::ParryRebuild => "parry-rebuild",
             Self::BruteForce => "brute-force",
         }
     }
@@ -96,7 +82,7 @@ impl MethodKind {
     /// Whether it supports skinned meshes.
     #[must_use]
     pub const fn supports_skins(self) -> bool {
-        !matches!(self, Self::Paper(_) | Self::Octree)
+        !matches!(self, Self::Paper(_))
     }
 
     /// Whether it is meaningful only for skinned meshes; otherwise benchmarks leave it out.
@@ -108,7 +94,7 @@ impl MethodKind {
     /// Whether it casts rays.
     #[must_use]
     pub const fn casts_rays(self) -> bool {
-        !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
+        !matches!(self, Self::RigidFloor | Self::Paper(_))
     }
 
     /// Builds the data per mesh, and one body for each entry of `bodies`, which is the index of its mesh.
@@ -151,11 +137,8 @@ impl MethodKind {
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
             Self::JointBoxes => Box::new(Trees::<JointBoxes<OfJoints>>::new(&welded()?, bodies, options)),
             Self::JointUnion => Box::new(Trees::<JointBoxes<OfNode>>::new(&welded()?, bodies, options)),
-            Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),
-            Self::Octree => Box::new(Octree::new(&welded()?, bodies)),
             Self::ParryTriMesh => Box::new(Parry::<Meshed>::new(&welded()?, bodies)?),
             Self::ParryBvh => Box::new(Parry::<Refitted>::new(&welded()?, bodies)?),
-            Self::ParryRebuild => Box::new(Parry::<Rebuilt>::new(&welded()?, bodies)?),
             Self::BruteForce => Box::new(BruteForce::new(&welded()?, bodies)),
         })
     }

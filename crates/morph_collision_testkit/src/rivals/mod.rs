@@ -15,18 +15,15 @@
 //! | `hybrid` | blends every vertex, refits the upper half of the tree; the rest when a walk reaches it | Larsson, Akenine-Moller 2001 |
 //! | `joint-boxes` | nothing: a node's box encloses the images of boxes under its joints, one for each joint around the vertices that it moves | Bevy's bounds of skinned meshes, for every node |
 //! | `joint-union` | nothing: the same with one box for each node | |
-//! | `rebuild` | blends every vertex, rebuilds the tree | |
-//! | `octree` | blends every vertex and places it in the world; an octree of faces for every pair of bodies | Smith et al. 1995 |
 //! | `parry-trimesh` | blends every vertex in place, refits the tree of a `TriMesh` | Parry |
 //! | `parry-bvh` | blends every vertex, refits a bare `Bvh` and improves its order in memory | Parry |
-//! | `parry-rebuild` | blends every vertex, rebuilds the `Bvh` (binned) | Parry |
 //! | `brute-force` | blends every vertex and places it in the world | the oracle |
 //!
-//! All methods but `paper` and `octree` support skinned meshes; these two refuse them. When joints have moved, all but ours and the two with boxes of joints
+//! All methods but `paper` support skinned meshes. When joints have moved, all but ours and the two with boxes of joints
 //! place every vertex (`skin`).
 //!
 //! The comparison is fair to all of them: vertices are welded, targets with weight zero and vertices that a target does not move
-//! are skipped, and a body whose weights stay the same is not refitted. `bottom-up`, `hybrid` and `rebuild` share one tree
+//! are skipped, and a body whose weights stay the same is not refitted. `bottom-up` and `hybrid` share one tree
 //! (`tree`), eight-wide like the core's, and one walk (`walk`) with the same SAT-lite culling (`boxes`, `frames`). `paper`
 //! follows the paper: one triangle per leaf, one pair of nodes at a time, in `f64`. Its counts are comparable with those of the
 //! others; its times would gain from the engineering that the others have.
@@ -52,7 +49,6 @@ mod boxes;
 mod broad;
 mod brute_force;
 mod build;
-mod bytes;
 mod cast;
 mod frames;
 mod hybrid;
@@ -62,11 +58,9 @@ mod kind;
 mod limits;
 mod morph;
 mod node;
-mod octree;
 mod options;
 mod paper;
 mod parry;
-mod rebuild;
 mod relative;
 mod rigid_floor;
 mod skin;
@@ -82,14 +76,13 @@ use morph_collision::{Aabb, InputError, ModelError, QueryStats, TrianglePair, We
 use thiserror::Error;
 
 pub use broad::BroadPhase;
-pub use bytes::MethodBytes;
 pub use cast::{CastHit, CastRay};
 pub use joint_nodes::JointNodes;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
 pub use node::RivalNode;
 pub use options::MethodOptions;
-pub use paper::{PaperNodes, PaperOptions, PaperVolume, UnknownVolume};
+pub use paper::{PaperOptions, PaperVolume, UnknownVolume};
 
 /// How many intersecting pairs of triangles to find for two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,12 +180,6 @@ pub trait Method: Debug + Send + Sync {
 
     /// The work done since set-up; refitted and built volumes count as blended.
     fn work(&self) -> QueryStats;
-
-    /// The heap memory of a body and its mesh after the queries so far, without what was only needed to build it. `None` if the
-    /// method does not count it.
-    fn bytes(&self, _body: usize) -> Option<MethodBytes> {
-        None
-    }
 }
 
 /// Why a method cannot be set up for a mesh.

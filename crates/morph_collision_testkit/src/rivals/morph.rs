@@ -9,7 +9,7 @@ use morph_collision::{
     WorldFromModel,
 };
 
-use super::{CastHit, CastRay, Method, MethodBytes, MethodOptions, PoseError, SetUpError, Wanted};
+use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::mesh::MorphMesh;
 
 /// Poses of shared trees with blended volumes.
@@ -133,13 +133,5 @@ impl Method for Morph {
 
     fn work(&self) -> QueryStats {
         self.work
-    }
-
-    fn bytes(&self, body: usize) -> Option<MethodBytes> {
-        let pose = &self.bodies[body].0;
-        Some(MethodBytes {
-            shared: pose.bvh().model().bytes() + pose.bvh().bytes(),
-            body: pose.bytes(),
-        })
     }
 }

@@ -3,7 +3,7 @@ use morph_collision::{BuildOptions, InputError};
 /// Options for setting up methods. Each method uses those that it supports, and no answer depends on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodOptions {
-    /// Options of our trees. `bottom-up`, `hybrid` and `rebuild` use the leaf size.
+    /// Options of our trees. `bottom-up` and `hybrid` use the leaf size.
     pub tree: BuildOptions,
     /// Most children of a node of `bottom-up` and `hybrid`: 2, 4 or 8.
     pub arity: usize,

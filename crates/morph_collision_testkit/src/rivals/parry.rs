@@ -16,12 +16,12 @@ use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::Box3;
 use super::cast::{cast_at_all, parry_ray};
 use super::frames::{SatLite, world_bounds};
-use super::{CastHit, CastRay, Method, MethodBytes, PoseError, SetUpError, Wanted};
+use super::{CastHit, CastRay, Method, PoseError, SetUpError, Wanted};
 
 mod trees;
 
 use trees::ParryTree;
-pub(super) use trees::{Meshed, Rebuilt, Refitted};
+pub(super) use trees::{Meshed, Refitted};
 
 /// A [`Method`] over bodies with Parry's trees.
 pub(super) struct Parry<T> {
@@ -143,14 +143,6 @@ impl<T: ParryTree> Method for Parry<T> {
 
     fn work(&self) -> QueryStats {
         self.work
-    }
-
-    fn bytes(&self, body: usize) -> Option<MethodBytes> {
-        let (body, tree) = &self.bodies[body];
-        Some(MethodBytes {
-            shared: body.mesh.bytes(),
-            body: body.bytes() + tree.bytes()?,
-        })
     }
 }
 

@@ -6,7 +6,6 @@
 
 use glam::{Affine3A, DVec3, Vec3, Vec3A};
 
-use super::bytes::of_list;
 use crate::mesh::MeshSkin;
 
 /// The influences of welded vertices, without those of weight 0.
@@ -54,10 +53,6 @@ impl WeldedSkin {
         self.joint_count
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        of_list(&self.influences) + of_list(&self.starts)
-    }
-
     pub(super) fn of(&self, vertex: usize) -> &[(u16, f32)] {
         &self.influences[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
@@ -73,10 +68,6 @@ impl SkinnedBody {
             changed: true,
             world: base.iter().map(|p| p.as_dvec3()).collect(),
         }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        of_list(&self.joints) + of_list(&self.columns) + of_list(&self.world)
     }
 
     /// The number of joints.

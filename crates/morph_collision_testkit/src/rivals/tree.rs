@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use super::bytes::of_list;
-
 /// A child of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Child {
@@ -58,10 +56,6 @@ impl Tree {
     pub(super) fn leaf(&self, leaf: u32) -> &[u32] {
         let leaf = leaf as usize;
         &self.triangles[self.leaf_starts[leaf] as usize..self.leaf_starts[leaf + 1] as usize]
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        of_list(&self.groups) + of_list(&self.leaf_starts) + of_list(&self.triangles)
     }
 
     pub(super) fn node_count(&self) -> u64 {
@@ -120,10 +114,6 @@ impl VertexLists {
             }
         }
         lists
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        of_list(&self.ranges) + of_list(&self.vertices)
     }
 
     #[inline]

@@ -10,10 +10,9 @@ use morph_collision::{Aabb, QueryStats, Triangle, TrianglePair, triangles_inters
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::{Box3, Box8};
-use super::bytes::of_list;
 use super::frames::{SatLite, Side, world_bounds};
 use super::tree::{Child, Tree};
-use super::{CastHit, CastRay, Method, MethodBytes, MethodOptions, PoseError, Wanted};
+use super::{CastHit, CastRay, Method, MethodOptions, PoseError, Wanted};
 
 mod cast;
 
@@ -34,10 +33,6 @@ pub(super) trait Refit: Debug + Clone + Send + Sync {
     fn tree(&self) -> &Tree;
     /// The boxes of an opened group.
     fn boxes(&self, group: usize) -> &Box8;
-    /// Its memory, if it is counted.
-    fn bytes(&self) -> Option<MethodBytes> {
-        None
-    }
     /// A triangle in world space.
     #[inline]
     fn world_triangle(&mut self, body: &BlendedBody, posed: &[Vec3], corners: [u32; 3]) -> Triangle {
@@ -276,15 +271,6 @@ impl<R: Refit> Method for Trees<R> {
 
     fn work(&self) -> QueryStats {
         self.work
-    }
-
-    fn bytes(&self, body: usize) -> Option<MethodBytes> {
-        let TreeBody { body, posed, refit } = &self.bodies[body];
-        let of_tree = refit.bytes()?;
-        Some(MethodBytes {
-            shared: of_tree.shared + body.mesh.bytes(),
-            body: of_tree.body + body.bytes() + of_list(posed),
-        })
     }
 }
 

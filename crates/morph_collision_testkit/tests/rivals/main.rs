@@ -207,9 +207,9 @@ fn names_lead_back_to_their_methods() {
     for kind in MethodKind::ALL {
         assert_eq!(kind.to_string().parse(), Ok(kind));
     }
-    let error = "octre".parse::<MethodKind>().unwrap_err().to_string();
+    let error = "hybri".parse::<MethodKind>().unwrap_err().to_string();
     assert!(
-        error.contains("'octre'") && error.contains("octree, parry-trimesh"),
+        error.contains("'hybri'") && error.contains("hybrid, joint-boxes"),
         "{error}"
     );
 }

@@ -2,8 +2,7 @@
 
 use morph_collision::QueryStats;
 use morph_collision_testkit::moments;
-use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions, Wanted};
-use parry3d::shape::TriMesh;
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions};
 
 use crate::answer;
 
@@ -30,50 +29,6 @@ fn the_work_is_what_each_method_is_known_for() {
         // Its trees have more nodes than triangles.
         assert!(paper.nodes_blended * 10 < 2 * 20480, "{options:?}: {paper:?}");
     }
-}
-
-#[test]
-fn rivals_own_every_vertex_and_box_of_a_body_and_ours_only_what_was_visited() {
-    let moment = moments::pass_through(42);
-    let mesh = &moment.meshes[0];
-    let bytes = |kind: MethodKind| {
-        let mut method = kind.set_up(&moment.meshes, &[0, 0], &MethodOptions::default()).unwrap();
-        for (body, (_, weights, place)) in moment.bodies.iter().enumerate() {
-            method.set_body(body, weights, place).unwrap();
-        }
-        method.collide(0, 1, Wanted::All, &mut Vec::new());
-        assert_eq!(
-            method.bytes(0).map(|bytes| bytes.shared),
-            method.bytes(1).map(|bytes| bytes.shared)
-        );
-        method.bytes(0)
-    };
-    let counted = |kind: MethodKind| bytes(kind).unwrap_or_else(|| panic!("{kind} is counted"));
-    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
-    // Two targets move every vertex.
-    let of_model = 3 * 12 * vertices + 12 * triangles;
-    for kind in [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryTriMesh] {
-        let bytes = counted(kind);
-        assert!(bytes.shared >= of_model, "{kind}: {bytes:?}");
-        // A vertex, and at least a quarter of a box of six numbers for each triangle.
-        assert!(bytes.body >= 12 * vertices + 6 * triangles, "{kind}: {bytes:?}");
-    }
-    let parry = TriMesh::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
-    let of_weights = 2 * size_of::<f32>();
-    assert_eq!(
-        counted(MethodKind::ParryTriMesh).body,
-        // A body is a clone, whose lists have no spare capacity.
-        parry.clone().heap_memory_size() + of_weights
-    );
-    // A box and a stamp for each node, of which there are more than triangles.
-    let paper = counted(MethodKind::Paper(PaperOptions::BOXES));
-    assert!(
-        paper.body > (48 + 4) * triangles && paper.shared > 3 * 48 * triangles,
-        "{paper:?}"
-    );
-    let ours = counted(MethodKind::Morph);
-    assert!(ours.body < counted(MethodKind::Hybrid).body, "{ours:?}");
-    assert_eq!(bytes(MethodKind::Octree), None);
 }
 
 /// The floor is the same tree over a mesh that never moved, with tight boxes. It visits only what has to be

@@ -3,25 +3,21 @@
 use crate::record::{Record, Scene, scenes, short_title};
 use crate::table::{Table, ratios};
 
-/// Methods that place all vertices and refit all boxes.
-pub(crate) const BAKE_AND_REFIT: &[&str] = &["bottom-up", "parry-trimesh", "parry-bvh"];
 pub(crate) const HYBRID: &[&str] = &["hybrid"];
 pub(crate) const PARRY: &[&str] = &["parry-trimesh", "parry-bvh"];
 
 /// The best rivals of each kind.
-const RIVALS: [(&str, &[&str]); 6] = [
+const RIVALS: [(&str, &[&str]); 5] = [
     ("hybrid", HYBRID),
     ("full refit", &["bottom-up"]),
     ("Parry, refitted", PARRY),
-    ("rebuilt", &["rebuild", "parry-rebuild"]),
     ("the paper's method", &["paper"]),
     ("boxes per joint", &["joint-boxes", "joint-union"]),
 ];
 
 /// How to read [`rivals`].
 pub(crate) const HOW_TO_READ: &str = "How long the other methods take, as a multiple of our time; below 1 they are faster. \"-\" means that a method does not do this.\n\
-    *Rebuilt* is the better of two methods that build a new tree in every frame, *Parry, refitted* the better of two ways to refit\n\
-    Parry's tree.\n";
+    *Parry, refitted* is the better of two ways to refit Parry's tree.\n";
 
 /// For each scene, the time of the best rivals over ours.
 pub(crate) fn rivals<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str) -> Table {

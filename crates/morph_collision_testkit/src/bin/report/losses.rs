@@ -4,15 +4,12 @@ use crate::record::Record;
 use crate::table::{Table, ratio};
 
 /// Everything that is not ours.
-const ALL_RIVALS: [&str; 12] = [
+const ALL_RIVALS: [&str; 9] = [
     "hybrid",
     "hybrid, binary",
     "bottom-up",
     "parry-trimesh",
     "parry-bvh",
-    "rebuild",
-    "parry-rebuild",
-    "octree",
     "paper",
     "joint-boxes",
     "joint-union",

@@ -82,7 +82,7 @@ mod tests {
             ("hybrid", 7.2, 17.3),
             ("parry-trimesh", 66.0, 252.4),
             ("parry-bvh", 80.0, 240.0),
-            ("rebuild", 218.0, 865.0),
+            ("paper", 218.0, 865.0),
         ];
         let mut rows = scene_of("dolphins-564", &ratios);
         rows.extend(scene_of("dolphins-36096", &ratios));

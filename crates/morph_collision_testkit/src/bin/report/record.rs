@@ -154,7 +154,7 @@ pub(crate) mod tests {
     fn rows_are_found_by_scene_question_and_method() {
         let mut rows = scene_of(
             "dolphins",
-            &[("morph", 1.0, 1.0), ("hybrid", 3.0, 2.0), ("octree", 9.0, 1.5)],
+            &[("morph", 1.0, 1.0), ("hybrid", 3.0, 2.0), ("bottom-up", 9.0, 1.5)],
         );
         rows.extend(scene_of("heads", &[("morph", 1.0, 1.0)]));
         assert_eq!(
@@ -165,7 +165,7 @@ pub(crate) mod tests {
         assert_eq!(dolphins.wanted(), [ALL, FIRST]);
         assert_eq!(dolphins.asked(FIRST).count(), 3);
         assert_eq!(dolphins.ratio("hybrid", ALL), Some(3.0));
-        assert_eq!(dolphins.best(&["hybrid", "octree", "paper"], FIRST), Some(1.5));
+        assert_eq!(dolphins.best(&["hybrid", "bottom-up", "paper"], FIRST), Some(1.5));
         assert_eq!(dolphins.best(&["paper"], ALL), None);
         assert!(scene(&rows, "horses").is_none());
     }

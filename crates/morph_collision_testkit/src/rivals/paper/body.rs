@@ -9,10 +9,9 @@ use super::references::References;
 use super::tree::Tree;
 use super::volume::Volume;
 use super::weights::Blend;
+use crate::rivals::PoseError;
 use crate::rivals::blended::{BlendedBody, WeldedMesh};
-use crate::rivals::bytes::of_list;
 use crate::rivals::relative::Placed;
-use crate::rivals::{MethodBytes, PoseError};
 
 /// A body whose volumes and vertices are blended when a query looks at them, once for the same weights (Sect. 5: time
 /// stamps).
@@ -117,16 +116,6 @@ impl<V: Volume> Body<V> {
     pub(super) fn placed(&mut self, work: &mut QueryStats) -> Placed {
         let [least, most] = self.aabb(work);
         Placed::new(&self.body.affine, least.abs().max(most.abs()))
-    }
-
-    /// The welded mesh is not counted, because only the references are needed.
-    pub(super) fn bytes(&self) -> MethodBytes {
-        let of_volumes = of_list(&self.volumes) + of_list(&self.volume_stamps);
-        let of_vertices = of_list(&self.vertices) + of_list(&self.vertex_stamps);
-        MethodBytes {
-            shared: self.references.bytes() + self.tree.bytes(),
-            body: self.body.bytes() + of_volumes + of_vertices,
-        }
     }
 
     pub(super) fn affine(&self) -> &Affine3A {

@@ -24,7 +24,6 @@
 
 mod body;
 mod directions;
-mod nodes;
 mod options;
 mod references;
 mod slab_maps;
@@ -41,7 +40,6 @@ mod tests;
 
 use std::sync::Arc;
 
-pub use nodes::PaperNodes;
 pub use options::{PaperOptions, PaperVolume, UnknownVolume};
 use slabs::Slabs;
 use sphere::Sphere;

@@ -4,7 +4,6 @@
 use glam::{DVec3, Vec3};
 
 use crate::rivals::blended::WeldedMesh;
-use crate::rivals::bytes::of_list;
 
 /// A mesh's base and displacements, vertex by vertex.
 #[derive(Clone, Debug)]
@@ -50,11 +49,6 @@ impl References {
             target_reach,
             base: mesh.base.clone(),
         }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let of_vertices = of_list(&self.base) + of_list(&self.displacements) + of_list(&self.starts);
-        of_vertices + of_list(&self.triangles) + of_list(&self.target_reach)
     }
 
     pub(super) fn vertex_count(&self) -> usize {

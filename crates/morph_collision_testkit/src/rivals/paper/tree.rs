@@ -8,7 +8,6 @@ use super::references::References;
 use super::split::split;
 use super::volume::Volume;
 use super::weights::Blend;
-use crate::rivals::bytes::of_list;
 
 /// Nodes in breadth-first order, the root first.
 #[derive(Clone, Debug)]
@@ -122,8 +121,11 @@ impl<V: Volume> Tree<V> {
     }
 
     /// The memory of its lists, including unused capacity.
+    #[cfg(test)]
     pub(super) fn bytes(&self) -> usize {
-        of_list(&self.nodes) + of_list(&self.references) + of_list(&self.in_betweens)
+        self.nodes.capacity() * size_of::<Node<V>>()
+            + self.references.capacity() * size_of::<Reference<V>>()
+            + self.in_betweens.capacity() * size_of::<InBetween<V>>()
     }
 
     #[inline]

@@ -7,13 +7,12 @@ use glam::Affine3A;
 use morph_collision::{Aabb, QueryStats, TrianglePair, triangles_intersect};
 
 use super::body::Body;
-use super::nodes::around;
 use super::tree::Content;
 use super::volume::Volume;
 use crate::rivals::blended::WeldedMesh;
 use crate::rivals::boxes::Box3;
 use crate::rivals::frames::{Side, world_bounds};
-use crate::rivals::{Method, MethodBytes, PoseError, Wanted};
+use crate::rivals::{Method, PoseError, Wanted};
 
 /// The bodies of the paper's method.
 #[derive(Debug)]
@@ -111,10 +110,10 @@ impl<V: Volume> Method for Paper<V> {
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {
-        let bounds = around(self.bodies[body].aabb(&mut self.work));
+        let [least, most] = self.bodies[body].aabb(&mut self.work);
         let bounds = Box3 {
-            min: bounds.min.into(),
-            max: bounds.max.into(),
+            min: least.as_vec3().map(f32::next_down).into(),
+            max: most.as_vec3().map(f32::next_up).into(),
         };
         world_bounds(self.bodies[body].affine(), &bounds)
     }
@@ -126,9 +125,5 @@ impl<V: Volume> Method for Paper<V> {
 
     fn work(&self) -> QueryStats {
         self.work
-    }
-
-    fn bytes(&self, body: usize) -> Option<MethodBytes> {
-        Some(self.bodies[body].bytes())
     }
 }

@@ -21,10 +21,6 @@ pub(in crate::rivals) trait ParryTree: Sized + Send + Sync {
     }
     fn bvh(&self) -> &Bvh;
     fn posed(&self) -> &[Vec3];
-    /// Its heap memory, if it is counted.
-    fn bytes(&self) -> Option<usize> {
-        None
-    }
 }
 
 /// Parry's triangle mesh, with separately blended vertices if blending is timed separately.
@@ -62,11 +58,6 @@ impl ParryTree for Meshed {
 
     fn posed(&self) -> &[Vec3] {
         self.mesh.vertices()
-    }
-
-    /// Parry's own count.
-    fn bytes(&self) -> Option<usize> {
-        Some(self.mesh.heap_memory_size())
     }
 }
 
@@ -125,33 +116,6 @@ impl ParryTree for Refitted {
     fn refit(&mut self, mesh: &WeldedMesh) {
         self.0.move_leaves(mesh);
         self.0.bvh.refit(&mut self.0.workspace);
-    }
-
-    fn bvh(&self) -> &Bvh {
-        &self.0.bvh
-    }
-
-    fn posed(&self) -> &[Vec3] {
-        &self.0.posed
-    }
-}
-
-/// Rebuilt with Parry's binned builder.
-#[derive(Clone)]
-pub(in crate::rivals) struct Rebuilt(Bare);
-
-impl ParryTree for Rebuilt {
-    fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError> {
-        Ok(Self(Bare::new(mesh)))
-    }
-
-    fn blend(&mut self, body: &mut BlendedBody) {
-        body.blend(&mut self.0.posed);
-    }
-
-    fn refit(&mut self, mesh: &WeldedMesh) {
-        self.0.move_leaves(mesh);
-        self.0.bvh.rebuild(&mut self.0.workspace, BvhBuildStrategy::Binned);
     }
 
     fn bvh(&self) -> &Bvh {

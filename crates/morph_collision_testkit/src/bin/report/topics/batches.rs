@@ -1,10 +1,10 @@
-//! The frames of an experiment as batches, on any number of threads and with any instruction set.
+//! The frames of an experiment as batches, on any number of threads.
 
 use std::error::Error;
 use std::sync::Arc;
 
 use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers};
-use morph_collision::{Body, BuildOptions, Kernel, MorphBvh, Pose, WorldFromModel, overlapping_pairs};
+use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel, overlapping_pairs};
 use morph_collision_testkit::bench::{Experiment, Frame};
 use morph_collision_testkit::rivals::Wanted;
 
@@ -16,12 +16,8 @@ pub(super) struct Run {
 
 impl Run {
     pub(super) fn new(experiment: &Experiment) -> Result<Self, Box<dyn Error>> {
-        Self::with_kernel(experiment, Kernel::default())
-    }
-
-    pub(super) fn with_kernel(experiment: &Experiment, kernel: Kernel) -> Result<Self, Box<dyn Error>> {
         let model = Arc::new(experiment.mesh.to_model()?);
-        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()).with_kernel(kernel));
+        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()));
         Ok(Self {
             poses: (0..experiment.bodies).map(|_| Pose::new(bvh.clone())).collect(),
             query: BatchQuery::new(),

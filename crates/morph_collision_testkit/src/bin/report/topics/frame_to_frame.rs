@@ -16,10 +16,10 @@ use crate::record::{ALL, FIRST, Record, scenes};
 use crate::store::Store;
 use crate::table::{NOTHING, Table, ratios};
 
-pub(super) const NAME: &str = "frame_to_frame";
+const NAME: &str = "frame_to_frame";
 
 /// A scene of this page that shows a scene of another page at 60 frames a second.
-pub(super) fn at_60(scene: &str) -> String {
+fn at_60(scene: &str) -> String {
     format!("{scene}-at-60")
 }
 

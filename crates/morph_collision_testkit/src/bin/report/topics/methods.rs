@@ -28,8 +28,8 @@ const PAGE: Page = Page {
         *blobs*: two bodies that graze each other, with 40 local targets at weights of both signs, nearly all of them active, as in a face.\n\
         *All pairs* asks for every pair of intersecting triangles, *first pairs* for one per pair of bodies. All methods give the same pairs.\n\
         \n\
-        - `bottom-up` (full refit), `hybrid` and `rebuild` have eight-wide trees and the same order of traversal, with at most four triangles in a leaf.\n  \
-          The test kit's module `rivals` describes each and names its source.\n\
+        - `bottom-up` (full refit) and `hybrid` have eight-wide trees and the same order of traversal, with at most four triangles in a leaf. The\n  \
+          test kit's module `rivals` describes each and names its source.\n\
         - `paper` is the paper's own method with its boxes: one node and one triangle at a time, in plain `f64`.\n\
         - `brute-force` is the oracle in exact integers, for scale.\n\
         - All share our exact test of two triangles. The others compare nodes and leaves one by one in plain loops, ours eight at a time with vector\n  \

@@ -1,13 +1,9 @@
 //! The topics: each measures its rows and makes its page from them.
 
 mod batches;
-mod bytes;
 mod faces;
 mod frame_to_frame;
-mod goals;
 mod instructions;
-mod kernels;
-mod known_data;
 mod leaves;
 mod methods;
 mod motion;
@@ -53,7 +49,7 @@ pub(crate) struct Topic {
 }
 
 /// All topics, in the order in which they are measured.
-pub(crate) const TOPICS: [Topic; 17] = [
+pub(crate) const TOPICS: [Topic; 13] = [
     methods::TOPIC,
     faces::TOPIC,
     skinned::TOPIC,
@@ -62,15 +58,11 @@ pub(crate) const TOPICS: [Topic; 17] = [
     paper::TOPIC,
     scale::TOPIC,
     threads::TOPIC,
-    known_data::TOPIC,
     leaves::TOPIC,
-    kernels::TOPIC,
-    bytes::TOPIC,
     motion::TOPIC,
     self_collisions::TOPIC,
     worst_cases::TOPIC,
     instructions::TOPIC,
-    goals::TOPIC,
 ];
 
 /// The names of the topics that are measured.

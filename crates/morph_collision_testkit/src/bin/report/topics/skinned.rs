@@ -26,9 +26,9 @@ const PAGE: Page = Page {
     title: "Skinned characters",
     intro: "Characters of `mh_character.glb` walk and talk. New joints and new weights arrive in every frame: two whose hands touch, two deep inside each\n\
         other, and twelve in a crowd. [Frame to frame](frame_to_frame.md) has the same scenes in consecutive frames, with and without a remembered\n\
-        pair, and [goals](goals.md) says what was aimed for.\n\
+        pair.\n\
         \n\
-        - `bottom-up`, `hybrid`, `rebuild` and Parry's place every vertex by its joints in every frame, and then refit or rebuild.\n\
+        - `bottom-up`, `hybrid` and Parry's place every vertex by its joints in every frame, and then refit.\n\
         - `joint-boxes` and `joint-union` (boxes per joint) have a tree over the mesh at rest, whose nodes know which joints move them. Only where a\n  \
           query visits, they compute boxes from a box per joint, and skin vertices.\n\
         - Two costs remain in ours: the bounds of a character whose joints have all moved, because dozens of joints meet in the root's children, and\n  \

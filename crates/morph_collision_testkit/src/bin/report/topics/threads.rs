@@ -17,7 +17,7 @@ use crate::record::{ALL, FIRST, Record};
 use crate::store::Store;
 use crate::table::{NOTHING, Table, ratio, short};
 
-pub(super) const NAME: &str = "threads";
+const NAME: &str = "threads";
 
 pub(super) const TOPIC: Topic = Topic {
     name: NAME,
@@ -115,15 +115,15 @@ fn race(
 
 /// The throughput of a run relative to one thread, for each number of threads.
 #[derive(Debug, PartialEq)]
-pub(super) struct Speeds {
-    pub(super) title: String,
-    pub(super) wanted: String,
+struct Speeds {
+    title: String,
+    wanted: String,
     /// Numbers of threads, with the speeds of a batch and of as many copies.
-    pub(super) speeds: Vec<(usize, [f64; 2])>,
+    speeds: Vec<(usize, [f64; 2])>,
 }
 
 /// The speeds of all runs.
-pub(super) fn speeds(rows: &[Record]) -> Vec<Speeds> {
+fn speeds(rows: &[Record]) -> Vec<Speeds> {
     let mut all: Vec<Speeds> = Vec::new();
     for row in rows {
         let is_same = |run: &&mut Speeds| run.title == row.title && run.wanted == row.wanted;

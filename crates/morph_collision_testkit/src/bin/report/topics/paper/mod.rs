@@ -16,9 +16,7 @@ use crate::page::Page;
 use crate::record::Record;
 use crate::store::Store;
 
-pub(super) use resolution::powers;
-
-pub(super) const NAME: &str = "paper";
+const NAME: &str = "paper";
 
 pub(super) const TOPIC: Topic = Topic {
     name: NAME,

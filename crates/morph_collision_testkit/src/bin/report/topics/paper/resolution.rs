@@ -42,15 +42,6 @@ fn times(rows: &[Record], method: &str, wanted: &str) -> Vec<(f64, f64)> {
     sizes(rows).filter_map(time).collect()
 }
 
-/// The powers with which the times of our method grow with the triangles: for all and for first pairs.
-pub(crate) fn powers(rows: &[Record]) -> Option<[f64; 2]> {
-    let times = [ALL, FIRST].map(|wanted| times(rows, "morph", wanted));
-    times
-        .iter()
-        .all(|times| times.len() > 1)
-        .then(|| times.map(|times| exponent(&times)))
-}
-
 pub(super) fn show(store: &Store, rows: &[Record]) -> Result<String, Box<dyn Error>> {
     let (mut tables, mut panels) = (String::new(), Vec::new());
     for (wanted, title) in [(ALL, "all pairs"), (FIRST, "first pair")] {

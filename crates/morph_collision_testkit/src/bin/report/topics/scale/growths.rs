@@ -14,13 +14,13 @@ pub(super) struct Growth {
     pub(super) axis: &'static str,
 }
 
-pub(super) const BODIES: Growth = Growth {
+const BODIES: Growth = Growth {
     scene: "bodies",
     title: "Bodies: dolphins of 564 triangles",
     axis: "bodies",
 };
 
-pub(in super::super) const TRIANGLES: &str = "triangles";
+const TRIANGLES: &str = "triangles";
 
 const DENSE: &str = "targets, each of which moves every vertex";
 const SPARSE: &str = "targets, each of which moves 15 % of the vertices";

@@ -8,7 +8,6 @@ use std::error::Error;
 use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
-use super::bytes::Bytes;
 use super::{Measure, Topic};
 use crate::candidates::{morph, rival};
 use crate::context::Context;
@@ -19,10 +18,10 @@ use crate::record::{ALL, FIRST, Record, Scene, scenes};
 use crate::store::Store;
 use crate::table::{Table, range, short};
 
-pub(super) use growths::TRIANGLES;
-use growths::{BODIES, GROWTHS, Growth};
+use growths::{GROWTHS, Growth};
+use sizes::Bytes;
 
-pub(super) const NAME: &str = "scale";
+const NAME: &str = "scale";
 const BYTES: &str = "scale_bytes";
 
 const BUILD: &str = "build";
@@ -51,23 +50,6 @@ pub(super) const TOPIC: Topic = Topic {
 /// Times of Parry's build over ours.
 fn builds(rows: &[Record]) -> impl Iterator<Item = f64> + Clone {
     scenes(rows).filter_map(|scene| scene.ratio(PARRYS_BUILD, BUILD))
-}
-
-/// Our time to build a tree over Parry's, for the meshes with two targets.
-pub(super) fn build_over_parry(rows: &[Record]) -> impl Iterator<Item = f64> + Clone {
-    let with_two = |scene: &Scene<'_>| [BODIES.scene, TRIANGLES].contains(&scene.name());
-    let ratio = |scene: Scene<'_>| scene.ratio(PARRYS_BUILD, BUILD);
-    scenes(rows).filter(with_two).filter_map(ratio).map(|ratio| 1.0 / ratio)
-}
-
-/// The powers with which our times grow in a series, for all and for first pairs. A single body has no partner and does not count.
-pub(super) fn powers(rows: &[Record], series: &str) -> Option<[f64; 2]> {
-    let points = |wanted| points(rows, series, &|scene| Some(scene.row("morph", wanted)?.microseconds));
-    let points = [ALL, FIRST].map(points);
-    points
-        .iter()
-        .all(|points| points.len() > 1)
-        .then(|| points.map(|points| exponent(&points)))
 }
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
@@ -257,23 +239,8 @@ mod tests {
     }
 
     #[test]
-    fn powers_are_those_of_one_series() {
-        let rows = [series(TRIANGLES, 0.5), series("dense", 2.0)].concat();
-        let powers = powers(&rows, TRIANGLES).expect("there are two sizes");
-        assert!(powers.iter().all(|power| (power - 0.5).abs() < 1e-9), "{powers:?}");
-        assert_eq!(super::powers(&rows, "sparse"), None);
-    }
-
-    #[test]
-    fn building_is_compared_for_meshes_with_two_targets() {
-        let rows = [series(TRIANGLES, 1.0), series("dense", 1.0)].concat();
-        assert_eq!(build_over_parry(&rows).collect::<Vec<_>>(), [2.0; 3]);
-        assert_eq!(builds(&rows).count(), 6);
-    }
-
-    #[test]
     fn a_table_has_a_row_for_each_size_and_one_for_powers() {
-        let table = table(&GROWTHS[1], &series(TRIANGLES, 1.0), &[]).to_string();
+        let table = table(&GROWTHS[1], &series(GROWTHS[1].scene, 1.0), &[]).to_string();
         assert!(
             table.contains("| 10 | 10.0 | | 10.0 | | | | | 0.01 | 0.01 |"),
             "{table}"

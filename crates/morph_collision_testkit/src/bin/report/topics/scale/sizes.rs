@@ -3,17 +3,33 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, WorldFromModel};
+use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, WorldFromModel};
 use morph_collision_testkit::bench::{Experiment, Stopwatch, median};
 use morph_collision_testkit::mesh::MorphMesh;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+use serde::{Deserialize, Serialize};
 
-use crate::topics::bytes::{Bytes, at_rest};
+/// The memory of a mesh and of one of its bodies.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Bytes {
+    pub(super) scene: String,
+    pub(super) title: String,
+    /// What grows in a series of scenes of the same name.
+    pub(super) size: Option<usize>,
+    pub(super) triangles: usize,
+    pub(super) targets: usize,
+    pub(super) model: usize,
+    pub(super) tree: usize,
+    pub(super) pose: usize,
+    pub(super) measured: String,
+}
 
 /// Memory after a body was asked for all pairs in the middle of the experiment.
 pub(super) fn bytes(experiment: &Experiment, measured: String) -> Result<Bytes, Box<dyn Error>> {
-    let pose = at_rest(&experiment.mesh)?;
+    let mesh = &experiment.mesh;
+    let model = Arc::new(mesh.to_model()?);
+    let pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default())));
     let mut poses = [pose.clone(), pose];
     let frame = &experiment.frames[experiment.frames.len() / 2];
     let mut places = [WorldFromModel::IDENTITY; 2];
@@ -23,7 +39,17 @@ pub(super) fn bytes(experiment: &Experiment, measured: String) -> Result<Bytes, 
     }
     let ([a, b], [at_a, at_b]) = (&mut poses, &places);
     PairQuery::new().all(Body::new(a, at_a), Body::new(b, at_b), &mut Vec::new());
-    Bytes::of(experiment, &experiment.title, &poses[0], measured)
+    Ok(Bytes {
+        scene: experiment.name.clone(),
+        title: experiment.title.clone(),
+        size: None,
+        triangles: mesh.triangles.len(),
+        targets: mesh.targets.len(),
+        model: poses[0].bvh().model().bytes(),
+        tree: poses[0].bvh().bytes(),
+        pose: poses[0].bytes(),
+        measured,
+    })
 }
 
 /// Seconds to build our tree and Parry's, medians over interleaved rounds.

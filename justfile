@@ -281,25 +281,9 @@ mutations SECONDS="900" SEED="1":
 report *ARGS:
     cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs
 
-# Regenerates the tables of docs/rapier.md in place: bodies on a morphing surface, compared with what a game can do without the plugin.
-physics-report *ARGS:
-    cargo run --release -p morph_collision_workspace --example physics_report -- {{ARGS}}
-
-# Regenerates the tables of docs/avian.md in place: the same with Avian. --batches N drops N hundred bodies (100 by default).
-avian-report *ARGS:
-    cargo run --release -p morph_collision_workspace --example avian_report -- {{ARGS}}
-
-# Regenerates the tables of docs/characters.md in place: crowds of skinned characters, compared with Bevy's bounds and picking and with capsules.
-characters-report *ARGS:
-    cargo run --release -p morph_collision_workspace --example characters_report -- {{ARGS}}
-
-# Regenerates the table of docs/continuous.md in place: the longest updates with continuous bodies that collapse or blow up.
-continuous-report *ARGS:
-    cargo run --release -p morph_collision_workspace --example continuous_report -- {{ARGS}}
-
-# Regenerates the tables and the plot of docs/tolerance.md in place: time against error.
-tolerance-report *ARGS:
-    cargo run --release -p morph_collision_workspace --example tolerance_report -- {{ARGS}}
+# Regenerates the tables and plots of a page in place: rapier, avian, characters, continuous or tolerance (--quick, --only TABLE).
+plugin-report PAGE *ARGS:
+    cargo run --release -p morph_collision_workspace --example report -- {{PAGE}} {{ARGS}}
 
 # Times the library's queries on this machine: all, or only those whose name contains NAME.
 bench *NAME:

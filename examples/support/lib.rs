@@ -23,7 +23,6 @@ pub mod report;
 #[cfg(feature = "render")]
 pub mod shows;
 pub mod slap;
-pub mod tables;
 pub mod touching;
 #[cfg(feature = "render")]
 pub mod view;

@@ -17,9 +17,9 @@ mod scene;
 mod schedules;
 mod skins;
 mod solid;
-// The report's world. It has more than these tests use.
+// The report's methods. There are more than these tests use.
 #[allow(dead_code)]
-#[path = "../../examples/avian_report/stage.rs"]
+#[path = "../../examples/report/avian.rs"]
 mod stage;
 mod support;
 mod times;

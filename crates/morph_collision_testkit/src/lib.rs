@@ -42,7 +42,7 @@
 //!
 //! # Features
 //!
-//! - `report` (off by default): the program `report`, which writes the repository's pages of measurements and draws their plots.
+//! - `report` (off by default): the module `report`, and the program `report`, which writes the repository's pages of measurements.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -65,9 +65,9 @@ pub mod near_degenerate;
 pub mod nearest;
 pub mod numbers;
 pub mod oracle;
-#[cfg(feature = "report")]
-pub mod plot;
 pub mod printable;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod rivals;
 pub mod scenes;
 pub mod search;

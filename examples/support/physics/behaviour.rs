@@ -6,34 +6,8 @@ use bevy::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 
 use super::drops::Kind;
+use super::engine::{Engine, PoseSurface};
 use super::{DT, settle, sheet};
-
-/// Gives a surface new weights.
-pub type PoseSurface<'a> = Box<dyn FnMut(&mut App, &[f32]) + 'a>;
-
-/// A physics engine, and a way to make a morphing mesh collide in it.
-pub trait Engine {
-    /// An app in a world of this length unit, with steps of `dt` seconds, one per frame, and 9.81 units of gravity.
-    fn app(&self, unit: f32, dt: f32) -> App;
-
-    /// Spawns a mesh at rest.
-    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a>;
-
-    /// Spawns a dynamic ball of this radius, or a cuboid of this half-extent.
-    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity;
-
-    /// Takes the friction off a body.
-    fn make_slippery(&self, app: &mut App, body: Entity);
-
-    /// Gives a body a velocity.
-    fn push(&self, app: &mut App, body: Entity, velocity: Vec3);
-
-    /// Switches continuous collision detection of a body on or off.
-    fn set_ccd(&self, app: &mut App, body: Entity, on: bool);
-
-    /// A body's position and velocity.
-    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3);
-}
 
 /// What a surface does to bodies that rest on it. Lengths and speeds are in length units.
 #[derive(Clone, Copy, Debug)]
@@ -126,7 +100,7 @@ impl Behaviour {
         // At once, because contacts that exist keep their friction for a while.
         engine.make_slippery(&mut scene.app, scene.body);
         scene.rest();
-        engine.push(&mut scene.app, scene.body, Vec3::X * 3.0 * unit);
+        engine.push(&mut scene.app, scene.body, Vec3::X * 3.0 * unit, Vec3::ZERO);
         for _ in 0..60 {
             scene.step([0.0; 3]);
         }
@@ -192,9 +166,9 @@ impl<'a, E: Engine> Scene<'a, E> {
 
     fn spawn(engine: &'a E, mesh: &'a MorphMesh, unit: f32, (kind, half, at): (Kind, f32, Vec3)) -> Self {
         let mut app = engine.app(unit, DT);
-        let pose = engine.surface(&mut app, mesh);
+        let pose = engine.surface(&mut app, mesh, Vec3::ZERO, &mut None);
         settle(&mut app);
-        let body = engine.body(&mut app, kind, half * unit, at * unit);
+        let body = engine.body(&mut app, kind, Vec3::splat(half * unit), at * unit);
         Self {
             engine,
             unit,

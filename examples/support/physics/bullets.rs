@@ -1,13 +1,12 @@
 //! Small fast bodies that are shot at a surface that moves towards them.
 
-use std::fmt::Write as _;
-
 use bevy::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::behaviour::{Engine, scaled};
+use super::behaviour::scaled;
 use super::drops::Kind;
+use super::engine::Engine;
 use super::{settle, sheet};
 
 /// Shots at a level sheet.
@@ -46,7 +45,7 @@ impl Shots {
         let Self { unit, rate, .. } = *self;
         let mesh = scaled(sheet(16), unit);
         let mut app = engine.app(unit, 1.0 / rate);
-        let mut pose = engine.surface(&mut app, &mesh);
+        let mut pose = engine.surface(&mut app, &mesh, Vec3::ZERO, &mut None);
         settle(&mut app);
         let mut rng = Pcg64Mcg::seed_from_u64(7);
         let mut within = |reach: f32| rng.random_range(-reach..=reach);
@@ -55,9 +54,9 @@ impl Shots {
                 // Apart from each other, and at all phases of a step.
                 let cell = Vec3::new((i % 8) as f32 - 3.5, 0.0, (i / 8 % 8) as f32 - 3.5) * 0.8;
                 let at = cell + Vec3::new(within(0.2), 3.0 + within(0.3), within(0.2));
-                let bullet = engine.body(&mut app, self.kind, self.radius * unit, at * unit);
+                let bullet = engine.body(&mut app, self.kind, Vec3::splat(self.radius * unit), at * unit);
                 let aside = 0.1 * self.speed * Vec3::new(within(1.0), 0.0, within(1.0)) / (1.0 + 0.05 * self.speed);
-                engine.push(&mut app, bullet, (aside - self.speed * Vec3::Y) * unit);
+                engine.push(&mut app, bullet, (aside - self.speed * Vec3::Y) * unit, Vec3::ZERO);
                 engine.set_ccd(&mut app, bullet, self.ccd);
                 bullet
             })
@@ -87,42 +86,6 @@ impl Shots {
         }
         hits
     }
-}
-
-/// The speeds of bullets and of the sheet in the columns of a table.
-const COLUMNS: [(f32, f32); 5] = [(5.0, 5.0), (20.0, 1.0), (20.0, 5.0), (100.0, 1.0), (100.0, 5.0)];
-
-/// The number of shots for each cell of a table.
-const SHOTS: usize = 40;
-
-/// The head of a table.
-#[must_use]
-pub fn head() -> String {
-    let columns = COLUMNS.map(|(speed, rise)| format!(" {speed}/s, rising at {rise}/s |"));
-    format!(
-        "| method | CCD |{}\n|---|---|{}\n",
-        columns.concat(),
-        "--:|".repeat(columns.len())
-    )
-}
-
-/// Two rows of the table: how many of 40 bullets of radius 0.02 go through, with CCD off and on.
-pub fn rows(engine: &impl Engine, name: &str) -> String {
-    let mut rows = String::new();
-    for ccd in [false, true] {
-        let through = COLUMNS.map(|(speed, rise)| {
-            let shots = Shots {
-                speed,
-                rise,
-                ccd,
-                ..Shots::SMALL
-            };
-            format!(" {} |", shots.fire(engine, SHOTS).through)
-        });
-        let on = if ccd { "on" } else { "off" };
-        let _infallible = writeln!(rows, "| {name} | {on} |{}", through.concat());
-    }
-    rows
 }
 
 /// What became of bullets.

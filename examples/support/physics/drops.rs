@@ -33,6 +33,17 @@ pub struct Drop {
     pub angular: Vec3,
 }
 
+impl Drop {
+    /// What [`Engine::body`](super::engine::Engine::body) needs of its size.
+    #[must_use]
+    pub fn half(&self) -> Vec3 {
+        match self.kind {
+            Kind::Ball | Kind::Cuboid => self.size * Vec3::new(1.0, 0.7, 0.5),
+            Kind::Capsule => self.size * Vec3::new(1.0, 0.5, 0.5),
+        }
+    }
+}
+
 /// A waving bowl of 24 by 24.
 #[must_use]
 pub fn bowl() -> MorphMesh {

@@ -3,9 +3,9 @@
 pub mod behaviour;
 pub mod bullets;
 pub mod drops;
+pub mod engine;
 pub mod player;
 mod rivals;
-pub mod times;
 
 use std::f32::consts::TAU;
 use std::path::Path;
@@ -21,7 +21,7 @@ use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 
-pub use rivals::{Kinematic, Method, Surface, blend};
+pub use rivals::{Method, blend};
 
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;

@@ -10,8 +10,8 @@ use bevy_rapier3d::plugin::context::RapierContextColliders;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 
-use super::behaviour::{Engine, PoseSurface};
 use super::drops::Kind;
+use super::engine::{Engine, PoseSurface};
 use super::{app_with_steps, bevy_mesh, body, state};
 
 /// A way to make a morphing mesh collide.
@@ -32,10 +32,12 @@ pub enum Method {
     NewMesh,
     /// A soft body with all particles pinned and moved to the blended vertices.
     SoftBody,
+    /// A plain mesh on a kinematic body, which follows the first weight: what Rapier does for a surface that only moves.
+    Kinematic,
 }
 
 impl Method {
-    /// All methods, ours first.
+    /// All methods for surfaces that morph, ours first.
     pub const ALL: [Self; 7] = [
         Self::Ours,
         Self::InPlace,
@@ -45,10 +47,10 @@ impl Method {
         Self::NewMesh,
         Self::SoftBody,
     ];
+}
 
-    /// The name used in tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+impl Engine for Method {
+    fn name(&self) -> &'static str {
         match self {
             Self::Ours => "`MorphRapierCollider`",
             Self::InPlace => "`set_vertices` in place",
@@ -57,26 +59,37 @@ impl Method {
             Self::Component => "`set_vertices` on the component",
             Self::NewMesh => "new `TriMesh`",
             Self::SoftBody => "pinned soft body",
+            Self::Kinematic => "`TriMesh` on a kinematic body",
         }
     }
-}
 
-impl Engine for Method {
     fn app(&self, unit: f32, dt: f32) -> App {
         app_with_steps(Path::new("."), unit, dt, |_: &mut App| {})
     }
 
-    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
-        let mut surface = Surface::spawn(app, *self, mesh, Vec3::ZERO, &mut None);
+    fn surface<'a>(
+        &self,
+        app: &mut App,
+        mesh: &'a MorphMesh,
+        at: Vec3,
+        shared: &mut Option<Handle<Mesh>>,
+    ) -> PoseSurface<'a> {
+        let mut surface = Surface::spawn(app, *self, mesh, at, shared);
         Box::new(move |app, weights| surface.pose(app, weights))
     }
 
-    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
+    fn body(&self, app: &mut App, kind: Kind, half: Vec3, at: Vec3) -> Entity {
         let collider = match kind {
-            Kind::Ball => Collider::ball(half),
-            _ => Collider::cuboid(half, half, half),
+            Kind::Ball => Collider::ball(half.x),
+            Kind::Cuboid => Collider::cuboid(half.x, half.y, half.z),
+            Kind::Capsule => Collider::capsule_y(half.x, half.y),
         };
         body(app, collider, at)
+    }
+
+    fn floor(&self, app: &mut App, half: Vec3, at: Vec3) {
+        let collider = Collider::cuboid(half.x, half.y, half.z);
+        app.world_mut().spawn((collider, Transform::from_translation(at)));
     }
 
     fn make_slippery(&self, app: &mut App, body: Entity) {
@@ -87,8 +100,17 @@ impl Engine for Method {
         app.world_mut().entity_mut(body).insert(friction);
     }
 
-    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
-        app.world_mut().entity_mut(body).insert(Velocity::linear(velocity));
+    fn collide_only_with_surface(&self, app: &mut App, body: Entity) {
+        let groups = CollisionGroups::new(Group::GROUP_1, Group::ALL ^ Group::GROUP_1);
+        app.world_mut().entity_mut(body).insert(groups);
+    }
+
+    fn stay_awake(&self, app: &mut App, body: Entity) {
+        app.world_mut().entity_mut(body).insert(Sleeping::disabled());
+    }
+
+    fn push(&self, app: &mut App, body: Entity, linear: Vec3, angular: Vec3) {
+        app.world_mut().entity_mut(body).insert(Velocity { linear, angular });
     }
 
     fn set_ccd(&self, app: &mut App, body: Entity, on: bool) {
@@ -100,61 +122,12 @@ impl Engine for Method {
     }
 }
 
-/// A plain mesh on a kinematic body, which follows the first weight: what Rapier does for a surface that only moves.
-#[derive(Clone, Copy, Debug)]
-pub struct Kinematic;
-
-impl Engine for Kinematic {
-    fn app(&self, unit: f32, dt: f32) -> App {
-        Engine::app(&Method::NewMesh, unit, dt)
-    }
-
-    fn surface<'a>(&self, app: &mut App, mesh: &'a MorphMesh) -> PoseSurface<'a> {
-        let collider = Collider::trimesh(mesh.positions.clone(), mesh.triangles.clone());
-        let body = (
-            RigidBody::KinematicPositionBased,
-            Sleeping::disabled(),
-            Transform::default(),
-        );
-        let mut entity = app.world_mut().spawn(body);
-        if let Ok(collider) = collider {
-            entity.insert(collider);
-        }
-        let (entity, way) = (entity.id(), mesh.targets[0][0]);
-        Box::new(move |app, weights| {
-            if let Some(mut place) = app.world_mut().get_mut::<Transform>(entity) {
-                place.translation = way * weights[0];
-            }
-        })
-    }
-
-    fn body(&self, app: &mut App, kind: Kind, half: f32, at: Vec3) -> Entity {
-        Engine::body(&Method::NewMesh, app, kind, half, at)
-    }
-
-    fn make_slippery(&self, app: &mut App, body: Entity) {
-        Method::NewMesh.make_slippery(app, body);
-    }
-
-    fn push(&self, app: &mut App, body: Entity, velocity: Vec3) {
-        Method::NewMesh.push(app, body, velocity);
-    }
-
-    fn set_ccd(&self, app: &mut App, body: Entity, on: bool) {
-        Method::NewMesh.set_ccd(app, body, on);
-    }
-
-    fn state(&self, app: &App, body: Entity) -> (Vec3, Vec3) {
-        Engine::state(&Method::NewMesh, app, body)
-    }
-}
-
 /// The particle radius of a soft body.
 const SKIN: f32 = 0.01;
 
 /// A morphing mesh that takes part in physics.
 #[derive(Debug)]
-pub struct Surface<'a> {
+struct Surface<'a> {
     method: Method,
     entity: Entity,
     mesh: Cow<'a, MorphMesh>,
@@ -163,14 +136,8 @@ pub struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// Spawns a mesh at rest. With [`Method::Ours`], several surfaces may share what a game would share: the mesh asset.
-    pub fn spawn(
-        app: &mut App,
-        method: Method,
-        mesh: &'a MorphMesh,
-        at: Vec3,
-        shared: &mut Option<Handle<Mesh>>,
-    ) -> Self {
+    /// Spawns a mesh at rest.
+    fn spawn(app: &mut App, method: Method, mesh: &'a MorphMesh, at: Vec3, shared: &mut Option<Handle<Mesh>>) -> Self {
         let place = Transform::from_translation(at);
         let world = app.world_mut();
         let mesh = match method {
@@ -211,6 +178,9 @@ impl<'a> Surface<'a> {
                 if let Ok(collider) = collider {
                     entity.insert(collider);
                 }
+                if method == Method::Kinematic {
+                    entity.insert((RigidBody::KinematicPositionBased, Sleeping::disabled()));
+                }
                 entity
             }
         }
@@ -225,8 +195,8 @@ impl<'a> Surface<'a> {
     }
 
     /// Sets new weights.
-    pub fn pose(&mut self, app: &mut App, weights: &[f32]) {
-        if self.method != Method::Ours {
+    fn pose(&mut self, app: &mut App, weights: &[f32]) {
+        if !matches!(self.method, Method::Ours | Method::Kinematic) {
             blend(&self.mesh, weights, &mut self.blended);
         }
         let world = app.world_mut();
@@ -266,6 +236,11 @@ impl<'a> Surface<'a> {
                     .map(|(&vertex, particle)| (particle, vertex + self.at))
                     .collect();
                 world.entity_mut(self.entity).insert(SoftBodyKinematicTargets(targets));
+            }
+            Method::Kinematic => {
+                if let Some(mut place) = world.get_mut::<Transform>(self.entity) {
+                    place.translation = self.at + self.mesh.targets[0][0] * weights[0];
+                }
             }
         }
     }

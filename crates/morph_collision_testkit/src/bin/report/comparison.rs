@@ -1,7 +1,8 @@
 //! Conclusions from rows: how much longer other methods take, and what the lower limit is.
 
+use morph_collision_testkit::report::{Table, ratios};
+
 use crate::record::{Record, Scene, scenes, short_title};
-use crate::table::{Table, ratios};
 
 pub(crate) const HYBRID: &[&str] = &["hybrid"];
 pub(crate) const PARRY: &[&str] = &["parry-trimesh", "parry-bvh"];

@@ -6,8 +6,7 @@ use std::process::Command;
 
 use morph_collision::Kernel;
 use morph_collision_testkit::bench;
-
-use crate::store::Store;
+use morph_collision_testkit::report::Store;
 
 /// The input of every topic.
 pub(crate) struct Context {

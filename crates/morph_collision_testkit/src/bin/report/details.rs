@@ -1,7 +1,8 @@
 //! The work and the time of every method in a scene.
 
+use morph_collision_testkit::report::{NOTHING, Table};
+
 use crate::record::{Record, Scene, scenes};
-use crate::table::{NOTHING, Table};
 
 /// How to read [`details`].
 pub(crate) const HOW_TO_READ: &str = "Counts are per frame, over all bodies: volumes blended (or refitted, or built), vertices blended, boxes tested against boxes,\n\

@@ -1,7 +1,8 @@
 //! Where another method is faster.
 
+use morph_collision_testkit::report::{Table, ratio};
+
 use crate::record::Record;
-use crate::table::{Table, ratio};
 
 /// Everything that is not ours.
 const ALL_RIVALS: [&str; 9] = [

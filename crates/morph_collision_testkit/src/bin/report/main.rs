@@ -19,8 +19,6 @@ mod overview;
 mod page;
 mod race;
 mod record;
-mod store;
-mod table;
 mod topics;
 
 use std::error::Error;
@@ -31,9 +29,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::builder::PossibleValuesParser;
 use morph_collision_testkit::bench;
+use morph_collision_testkit::report::Store;
 
 use context::Context;
-use store::Store;
 use topics::{Measure, TOPICS, Topic};
 
 /// Measures everything on the pages of docs/measurements, and writes them.

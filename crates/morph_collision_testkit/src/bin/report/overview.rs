@@ -4,31 +4,29 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use morph_collision_testkit::bench;
+use morph_collision_testkit::report::{Page as Sections, Store, Table};
 
 use crate::comparison::{refitting_rivals, rivals};
 use crate::losses::losses_table;
 use crate::page::Origins;
 use crate::record::{Record, scenes};
-use crate::store::Store;
-use crate::table::Table;
 use crate::topics::{TOPICS, of_bodies, of_rays};
 
 /// Writes everything that is made from the rows.
 pub(crate) fn write(docs: &Path, store: &Store) -> Result<(), Box<dyn Error>> {
     // Read before anything is written, so that a wrong folder fails at once.
-    let performance = performance(bench::Page::read(&docs.join("performance.md"))?, store)?;
-    let readme = readme(bench::Page::read(&docs.join("../README.md"))?, store)?;
-    fs::create_dir_all(&store.pages)?;
+    let performance = performance(Sections::read(&docs.join("performance.md"))?, store)?;
+    let readme = readme(Sections::read(&docs.join("../README.md"))?, store)?;
+    fs::create_dir_all(store.pages())?;
     for topic in &TOPICS {
-        let path = store.pages.join(topic.name).with_extension("md");
+        let path = store.pages().join(topic.name).with_extension("md");
         fs::write(&path, (topic.page)(store)?.text(store)).map_err(|error| format!("{}: {error}", path.display()))?;
     }
     performance.write()?;
     Ok(readme.write()?)
 }
 
-fn performance(mut page: bench::Page, store: &Store) -> Result<bench::Page, Box<dyn Error>> {
+fn performance(mut page: Sections, store: &Store) -> Result<Sections, Box<dyn Error>> {
     let (bodies, rays) = (of_bodies(store)?, of_rays(store)?);
     let mut measured = Origins::default();
     for (origin, title) in bodies.iter().chain(&rays).map(Record::origin) {
@@ -60,7 +58,7 @@ const IN_README: [&str; 5] = [
     "walkers-crowd",
 ];
 
-fn readme(mut page: bench::Page, store: &Store) -> Result<bench::Page, Box<dyn Error>> {
+fn readme(mut page: Sections, store: &Store) -> Result<Sections, Box<dyn Error>> {
     let rows = of_bodies(store)?;
     page.replace("fast", &format!("\n{}\n", readme_table(&rows)))?;
     Ok(page)

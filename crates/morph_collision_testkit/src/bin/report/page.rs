@@ -1,8 +1,8 @@
 //! Pages of `docs/measurements`.
 
-use std::fmt::{Display, Formatter, Result};
+use morph_collision_testkit::report::Store;
 
-use crate::store::Store;
+use std::fmt::{Display, Formatter, Result};
 
 /// A page before it is written.
 #[derive(Clone, Debug, Default)]

@@ -1,9 +1,8 @@
 //! A method's time and work in a scene, as it is stored.
 
 use morph_collision_testkit::bench::{Experiment, Row};
+use morph_collision_testkit::report::short;
 use serde::{Deserialize, Serialize};
-
-use crate::table::short;
 
 /// All pairs of triangles are wanted.
 pub(crate) const ALL: &str = "all";

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use morph_collision_testkit::bench::Experiment;
+use morph_collision_testkit::report::{NOTHING, Store, Table, ratios};
 
 use super::{Measure, Topic};
 use crate::candidates::{self, WITNESS};
@@ -13,8 +14,6 @@ use crate::losses::{losses, losses_table};
 use crate::page::Page;
 use crate::race::{Source, measure_topic};
 use crate::record::{ALL, FIRST, Record, scenes};
-use crate::store::Store;
-use crate::table::{NOTHING, Table, ratios};
 
 const NAME: &str = "frame_to_frame";
 

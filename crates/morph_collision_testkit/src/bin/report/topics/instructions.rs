@@ -2,10 +2,11 @@
 
 use std::error::Error;
 
+use morph_collision_testkit::report::Store;
+
 use super::{Measure, Topic, no_losses};
 use crate::counts::{self, Count};
 use crate::page::Page;
-use crate::store::Store;
 
 pub(super) const TOPIC: Topic = Topic {
     name: "instructions",

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use morph_collision_testkit::bench::Experiment;
+use morph_collision_testkit::report::Store;
 
 use super::{Measure, Topic, no_losses};
 use crate::candidates;
@@ -12,7 +13,6 @@ use crate::details::{self, details};
 use crate::page::Page;
 use crate::race::{Source, measure_topic};
 use crate::record::Record;
-use crate::store::Store;
 
 const NAME: &str = "leaves";
 

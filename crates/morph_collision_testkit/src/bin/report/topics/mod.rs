@@ -17,13 +17,14 @@ mod worst_cases;
 
 use std::error::Error;
 
+use morph_collision_testkit::report::Store;
+
 use crate::comparison::{self, limits, rivals};
 use crate::context::Context;
 use crate::details::{self, details};
 use crate::losses::{Loss, losses, losses_table};
 use crate::page::Page;
 use crate::record::{Record, scenes};
-use crate::store::Store;
 
 /// Measures and stores rows.
 type Measurement = fn(&Context) -> Result<(), Box<dyn Error>>;

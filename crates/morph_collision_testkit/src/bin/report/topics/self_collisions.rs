@@ -9,6 +9,7 @@ use morph_collision_testkit::bench::{Stopwatch, median};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::moments::find_real_model;
+use morph_collision_testkit::report::{Store, Table, ratio, short};
 use morph_collision_testkit::rivals::within::{SelfMethod, SelfMethodKind, certify};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -17,8 +18,6 @@ use serde::{Deserialize, Serialize};
 use super::{Measure, Topic, no_losses};
 use crate::context::Context;
 use crate::page::Page;
-use crate::store::Store;
-use crate::table::{Table, ratio, short};
 
 const NAME: &str = "self_collisions";
 

@@ -5,7 +5,7 @@ use std::thread;
 use std::time::Instant;
 
 use morph_collision_testkit::bench::{Experiment, median};
-use morph_collision_testkit::plot::{Axis, Figure, Panel, Series};
+use morph_collision_testkit::report::{Axis, Figure, NOTHING, Panel, Series, Store, Table, ratio, short};
 use morph_collision_testkit::rivals::Wanted;
 
 use super::batches::Run;
@@ -14,8 +14,6 @@ use crate::context::Context;
 use crate::losses::Loss;
 use crate::page::Page;
 use crate::record::{ALL, FIRST, Record};
-use crate::store::Store;
-use crate::table::{NOTHING, Table, ratio, short};
 
 const NAME: &str = "threads";
 

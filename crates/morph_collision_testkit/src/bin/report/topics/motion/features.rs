@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use morph_collision::motion::StageCounts;
 use morph_collision_testkit::motion::MotionKind;
 use morph_collision_testkit::motion::records::{FramePair, read_queries};
+use morph_collision_testkit::report::Table;
 use serde::{Deserialize, Serialize};
 
 use super::timing::{Features, median_seconds};
-use crate::table::Table;
 
 const STAGES: [&str; 4] = [
     "apart along an axis",

@@ -8,11 +8,11 @@ use morph_collision::motion::{MotionQuery, MovingBody, StageCounts};
 use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::motion::records::FramePair;
+use morph_collision_testkit::report::Table;
 use serde::{Deserialize, Serialize};
 
 use super::features::recorded_pairs;
 use super::timing::{TOLERANCE, median_seconds};
-use crate::table::Table;
 
 /// A body that moves from one recorded frame to the next, and how it is tested against itself.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -7,12 +7,12 @@ mod timing;
 use std::error::Error;
 
 use morph_collision_testkit::motion::records::find_records;
+use morph_collision_testkit::report::Store;
 
 use super::{Measure, Topic, no_losses};
 use crate::context::Context;
 use crate::counts::{self, Count};
 use crate::page::Page;
-use crate::store::Store;
 use features::Queried;
 use frames::Recorded;
 

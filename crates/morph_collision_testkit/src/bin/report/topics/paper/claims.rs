@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use morph_collision_testkit::bench::{Experiment, Plan, measure as time};
+use morph_collision_testkit::report::{NOTHING, Table, percent, range, short};
 use morph_collision_testkit::rivals::{MethodKind, PaperOptions, Wanted};
 
 use super::resolution::sizes;
@@ -11,7 +12,6 @@ use crate::candidates::{Candidate, rival};
 use crate::context::Context;
 use crate::race::race;
 use crate::record::{ALL, FIRST, Record, Scene, scene};
-use crate::table::{NOTHING, Table, percent, range, short};
 
 const IN_BETWEENS: &str = "in-betweens";
 const BEST_STEP: &str = "all, the step that gains most";

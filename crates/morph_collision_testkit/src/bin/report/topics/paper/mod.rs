@@ -6,6 +6,7 @@ mod steps;
 
 use std::error::Error;
 
+use morph_collision_testkit::report::Store;
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions};
 
 use super::{Measure, Topic};
@@ -14,7 +15,6 @@ use crate::context::Context;
 use crate::losses::losses;
 use crate::page::Page;
 use crate::record::Record;
-use crate::store::Store;
 
 const NAME: &str = "paper";
 

@@ -3,14 +3,12 @@
 use std::error::Error;
 
 use morph_collision_testkit::bench::Experiment;
-use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
+use morph_collision_testkit::report::{Axis, Figure, Panel, Series, Store, Table, exponent};
 
 use super::methods;
 use crate::context::Context;
 use crate::race::records;
 use crate::record::{ALL, FIRST, Record, Scene, scenes};
-use crate::store::Store;
-use crate::table::Table;
 
 const SCENE: &str = "dolphins";
 

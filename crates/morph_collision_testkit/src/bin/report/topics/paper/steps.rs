@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use morph_collision_testkit::bench::Experiment;
-use morph_collision_testkit::plot::{Axis, Figure, Panel, Series};
+use morph_collision_testkit::report::{Axis, Figure, Panel, Series, Store, Table, ratios, short};
 use morph_collision_testkit::rivals::Wanted;
 use serde::{Deserialize, Serialize};
 
@@ -11,8 +11,6 @@ use super::methods;
 use crate::context::Context;
 use crate::race::race;
 use crate::record::{ALL, FIRST, Record, scene};
-use crate::store::Store;
-use crate::table::{Table, ratios, short};
 
 pub(super) const DATA: &str = "paper_steps";
 

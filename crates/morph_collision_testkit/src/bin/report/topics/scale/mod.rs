@@ -5,7 +5,7 @@ mod sizes;
 
 use std::error::Error;
 
-use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
+use morph_collision_testkit::report::{Axis, Figure, Panel, Series, Store, Table, exponent, range, short};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
 use super::{Measure, Topic};
@@ -15,8 +15,6 @@ use crate::losses::{Loss, losses};
 use crate::page::Page;
 use crate::race::records;
 use crate::record::{ALL, FIRST, Record, Scene, scenes};
-use crate::store::Store;
-use crate::table::{Table, range, short};
 
 use growths::{GROWTHS, Growth};
 use sizes::Bytes;

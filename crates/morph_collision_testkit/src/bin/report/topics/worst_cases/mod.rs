@@ -11,13 +11,12 @@ use glam::Affine3A;
 use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel};
 use morph_collision_testkit::bench::{Stopwatch, median};
 use morph_collision_testkit::models::random::random_blob;
+use morph_collision_testkit::report::{Store, Table};
 use serde::{Deserialize, Serialize};
 
 use super::{Measure, Topic, no_losses};
 use crate::context::Context;
 use crate::page::Page;
-use crate::store::Store;
-use crate::table::Table;
 
 const NAME: &str = "worst_cases";
 const STILL: &str = "worst_cases_still";

@@ -1,35 +1,17 @@
 //! Characters that play a clip, each from a different time, in a single-threaded app; and how apps are timed.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, VisibilityPlugin};
-use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use morph_collision_testkit::bench::{Stopwatch, median};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::moments::find_real_model;
 use morph_collision_workspace::app::{ready, update_until, without_collisions};
 use morph_collision_workspace::crowd::{self, edit_players, root_of};
 use morph_collision_workspace::drawn::{self, Part};
 
-/// A model and its meshes as stored in the file.
-pub(crate) struct Model {
-    pub(crate) file: PathBuf,
-    pub(crate) meshes: Vec<MorphMesh>,
-}
-
-impl Model {
-    /// Finds a model in `assets/`, or in the folder of models beside the repository.
-    pub(crate) fn find(name: &str) -> Result<Self, String> {
-        let file = find_real_model(name).map_err(|missing| missing.to_string())?;
-        let file = file.canonicalize().map_err(|error| format!("{name}: {error}"))?;
-        let meshes = read_meshes(&file).map_err(|error| error.to_string())?;
-        Ok(Self { file, meshes })
-    }
-}
+use crate::model::{Model, run_on_one_thread};
 
 /// An app with characters.
 pub(crate) struct Stage {
@@ -50,13 +32,11 @@ impl Stage {
         on_roots: impl Bundle + Clone,
         add: impl FnOnce(&mut App),
     ) -> Result<Self, String> {
-        let mut app = without_collisions(model.file.parent().unwrap_or(Path::new(".")));
+        let mut app = without_collisions(model.folder());
         app.add_plugins(VisibilityPlugin);
         add(&mut app);
         ready(&mut app);
-        for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        }
+        run_on_one_thread(&mut app);
         let (roots, clips) =
             crowd::spawn(&mut app, &model.file, places, on_roots).map_err(|error| error.to_string())?;
         let is_skinned = |part: &Part| model.meshes[part.mesh].skin.is_some();

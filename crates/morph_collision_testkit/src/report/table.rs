@@ -4,25 +4,28 @@ use std::fmt::{Display, Formatter, Result};
 
 /// A table. Columns with words are aligned to the left, those with numbers to the right.
 #[derive(Clone, Debug)]
-pub(crate) struct Table {
+pub struct Table {
     head: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub(crate) fn new<T: Display>(head: impl IntoIterator<Item = T>) -> Self {
+    /// A table without rows.
+    pub fn new<T: Display>(head: impl IntoIterator<Item = T>) -> Self {
         Self {
             head: head.into_iter().map(|cell| cell.to_string()).collect(),
             rows: Vec::new(),
         }
     }
 
-    pub(crate) fn row<T: Display>(&mut self, cells: impl IntoIterator<Item = T>) {
+    /// Appends a row.
+    pub fn row<T: Display>(&mut self, cells: impl IntoIterator<Item = T>) {
         self.rows.push(cells.into_iter().map(|cell| cell.to_string()).collect());
     }
 
     /// Leaves out the columns in which all cells are [`NOTHING`].
-    pub(crate) fn without_empty_columns(mut self) -> Self {
+    #[must_use]
+    pub fn without_empty_columns(mut self) -> Self {
         let is_used = |column: usize| {
             self.rows
                 .iter()
@@ -64,10 +67,11 @@ impl Display for Table {
 }
 
 /// A cell without a number.
-pub(crate) const NOTHING: &str = "-";
+pub const NOTHING: &str = "-";
 
 /// A ratio of times with two digits, or with all digits before the point.
-pub(crate) fn ratio(value: f64) -> String {
+#[must_use]
+pub fn ratio(value: f64) -> String {
     match value {
         value if value >= 9.95 => format!("{value:.0}"),
         value if value >= 0.995 => format!("{value:.1}"),
@@ -76,7 +80,8 @@ pub(crate) fn ratio(value: f64) -> String {
 }
 
 /// Several ratios in a cell; [`NOTHING`] if there are none.
-pub(crate) fn ratios(values: impl IntoIterator<Item = Option<f64>>) -> String {
+#[must_use]
+pub fn ratios(values: impl IntoIterator<Item = Option<f64>>) -> String {
     let cells: Vec<_> = values
         .into_iter()
         .map(|value| value.map_or(NOTHING.to_owned(), ratio))
@@ -88,7 +93,8 @@ pub(crate) fn ratios(values: impl IntoIterator<Item = Option<f64>>) -> String {
 }
 
 /// The least and the greatest of some ratios.
-pub(crate) fn range(values: impl Iterator<Item = f64> + Clone) -> String {
+#[must_use]
+pub fn range(values: impl Iterator<Item = f64> + Clone) -> String {
     let (least, most) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
     match (ratio(least), ratio(most)) {
         _ if least > most => NOTHING.to_owned(),
@@ -98,12 +104,14 @@ pub(crate) fn range(values: impl Iterator<Item = f64> + Clone) -> String {
 }
 
 /// A share as a percentage.
-pub(crate) fn percent(share: f64) -> String {
+#[must_use]
+pub fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
 /// Four digits of a measured number; the rest is noise.
-pub(crate) fn short(value: f64) -> f64 {
+#[must_use]
+pub fn short(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 

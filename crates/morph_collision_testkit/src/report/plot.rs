@@ -1,7 +1,6 @@
-//! Figures as SVG, and their numbers as CSV files beside them.
+//! Figures as SVG.
 
 use std::error::Error;
-use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use plotters::prelude::*;
 /// A figure of panels, two in a row.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// The base name of its files.
+    /// The base name of its file.
     pub name: String,
     /// The panels, from left to right, then down.
     pub panels: Vec<Panel>,
@@ -72,29 +71,6 @@ const LEGEND_COLUMNS: usize = 2;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Figure {
-    /// Writes `NAME.svg` and `NAME.csv` into a folder, and returns the Markdown that shows them on a page next to
-    /// that folder.
-    ///
-    /// # Errors
-    /// A file cannot be written.
-    pub fn write(&self, folder: &Path, alt: &str) -> Result<String, Box<dyn Error>> {
-        std::fs::create_dir_all(folder)?;
-        let mut csv = "panel,series,x,y\n".to_owned();
-        for panel in &self.panels {
-            for series in &panel.series {
-                for (x, y) in &series.points {
-                    let (x, y) = (short(*x), short(*y));
-                    writeln!(csv, "\"{}\",\"{}\",{x},{y}", panel.title, series.name)?;
-                }
-            }
-        }
-        std::fs::write(folder.join(&self.name).with_extension("csv"), csv)?;
-        let svg = folder.join(&self.name).with_extension("svg");
-        self.draw(&svg).map_err(|error| format!("{}: {error}", svg.display()))?;
-        let path = |extension| format!("plots/{}.{extension}", self.name);
-        Ok(format!("![{alt}]({})\n\n([data]({}))\n", path("svg"), path("csv")))
-    }
-
     /// Draws it as an SVG file.
     ///
     /// # Errors
@@ -206,11 +182,6 @@ fn round_beyond(value: f64, up: bool) -> f64 {
     } else {
         steps.into_iter().rfind(|step| *step <= value).unwrap_or(value)
     }
-}
-
-/// Rounded to five digits; the rest is noise.
-fn short(value: f64) -> f64 {
-    format!("{value:.4e}").parse().unwrap_or(value)
 }
 
 /// A tick's number as a short text.

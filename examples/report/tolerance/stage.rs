@@ -1,18 +1,16 @@
 //! An app with a crowd whose colliders have a tolerance, at consecutive frames of 60 Hz.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
-use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::moments::find_real_model;
 use morph_collision_workspace::crowd::root_of;
 use morph_collision_workspace::drawn::{self, Part};
 use morph_collision_workspace::instances::{Instances, in_crowd};
 use morph_collision_workspace::{app, error::ExampleError};
+
+use crate::model::{Model, run_on_one_thread};
 
 /// A crowd to measure.
 pub(crate) struct Scene {
@@ -71,22 +69,16 @@ pub(crate) struct Stage {
 impl Stage {
     /// A crowd in an app whose systems run on one thread. `tolerance` is in sizes of a body.
     pub(crate) fn new(scene: &Scene, tolerance: f32) -> Result<Self, String> {
-        let file = find_real_model(scene.model).map_err(|missing| missing.to_string())?;
-        let file = file
-            .canonicalize()
-            .map_err(|error| format!("{}: {error}", scene.model))?;
-        let meshes = read_meshes(&file).map_err(|error| error.to_string())?;
-        let mut app = app::headless(file.parent().unwrap_or(Path::new(".")));
+        let model = Model::find(scene.model)?;
+        let mut app = app::headless(model.folder());
         app::ready(&mut app);
-        for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        }
+        run_on_one_thread(&mut app);
         let spawned = |error: ExampleError| error.to_string();
-        let instances = Instances::spawn(&mut app, &file, scene.count, false).map_err(spawned)?;
+        let instances = Instances::spawn(&mut app, &model.file, scene.count, false).map_err(spawned)?;
         let size = instances.length();
         let mut stage = Self {
             parts: Vec::new(),
-            meshes,
+            meshes: model.meshes,
             size,
             roots: instances.roots,
             frame: 0,

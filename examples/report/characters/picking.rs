@@ -1,17 +1,17 @@
 //! Rays from a camera into a crowd: what they cost, and which answers are right.
 
-use std::fmt::Write as _;
-
 use bevy::ecs::system::SystemId;
 use bevy::math::DVec3;
 use bevy::picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::bench::{Stopwatch, median};
+use morph_collision_testkit::report::Table;
 use morph_collision_workspace::drawn::{extent, meets};
-use morph_collision_workspace::tables::progress;
+use morph_collision_workspace::outcome::progress_bar;
 
-use super::stage::{Model, Stage, grid};
+use super::stage::{Stage, grid};
+use crate::model::Model;
 
 const CHARACTERS: usize = 100;
 const CLIP: &str = "walk_and_talk";
@@ -100,10 +100,13 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let (mut stage, casters) = crowd(&model)?;
     let frames = if quick { 4 } else { 40 };
-    let mut table = String::from(
-        "| rays in a frame | `MorphSpatialQuery`, µs per ray | `MeshRayCast`, µs per ray | ratio |\n|--:|--:|--:|--:|\n",
-    );
-    let bar = progress(frames as u64 * 3);
+    let mut table = Table::new([
+        "rays in a frame",
+        "`MorphSpatialQuery`, µs per ray",
+        "`MeshRayCast`, µs per ray",
+        "ratio",
+    ]);
+    let bar = progress_bar(frames as u64 * 3);
     let mut upkeep = Vec::new();
     for (count, size) in [(1, (32, 18)), (24, (6, 4)), (PICTURE.0 * PICTURE.1, PICTURE)] {
         let (mut times, mut ratios) = ([Vec::new(), Vec::new()], Vec::new());
@@ -135,15 +138,14 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
         }
         let [ours, bevys] = times.map(|times| median(times.into_iter()));
         let ratio = median(ratios.into_iter());
-        let _infallible = writeln!(table, "| {count} | {ours:.1} | {bevys:.1} | {ratio:.1} |");
+        let numbers = [ours, bevys, ratio].map(|number| format!("{number:.1}"));
+        table.row([count.to_string()].into_iter().chain(numbers));
     }
     bar.finish_and_clear();
     let upkeep = median(upkeep.into_iter());
-    let _infallible = writeln!(
-        table,
-        "\nIn addition, `MorphCollisionPlugin` takes {upkeep:.0} µs in each frame to keep the {CHARACTERS} characters' joints, weights and boxes."
-    );
-    Ok(table)
+    Ok(format!(
+        "{table}\nIn addition, `MorphCollisionPlugin` takes {upkeep:.0} µs in each frame to keep the {CHARACTERS} characters' joints, weights and boxes.\n"
+    ))
 }
 
 /// How many rays each answers wrongly.
@@ -154,7 +156,7 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     // Counts rays and hits. Then, for each method: rays with the wrong character, no hit, or a hit where there is none; and rays
     // with a different point on the right character.
     let (mut rays, mut hits, mut wrong) = (0, 0, [[0; 2]; 2]);
-    let bar = progress(moments as u64);
+    let bar = progress_bar(moments as u64);
     for moment in 0..moments {
         for _ in 0..12 {
             stage.app.update();
@@ -179,14 +181,25 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let mut table = String::from(
-        "| method | rays | that hit a character, by brute force | wrong character, none, or one where there is none | right character, over 1 cm off | wrong |\n|---|--:|--:|--:|--:|--:|\n",
-    );
+    let mut table = Table::new([
+        "method",
+        "rays",
+        "that hit a character, by brute force",
+        "wrong character, none, or one where there is none",
+        "right character, over 1 cm off",
+        "wrong",
+    ]);
     for (name, [who, place]) in ["`MorphSpatialQuery`", "`MeshRayCast`"].iter().zip(wrong) {
         let share = 100.0 * (who + place) as f64 / rays as f64;
-        let _infallible = writeln!(table, "| {name} | {rays} | {hits} | {who} | {place} | {share:.1} % |");
+        let counts = [rays, hits, who, place].map(|count| count.to_string());
+        table.row(
+            [name.to_string()]
+                .into_iter()
+                .chain(counts)
+                .chain([format!("{share:.1} %")]),
+        );
     }
-    Ok(table)
+    Ok(table.to_string())
 }
 
 /// The vertices of all characters.

@@ -1,15 +1,16 @@
-//! The measurements, as a table and a plot.
+//! How much time a tolerance saves, and how large the error is, as a table and a plot.
+
+mod follower;
+mod stage;
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
-use std::path::Path;
 
 use morph_collision_testkit::bench::median;
-use morph_collision_testkit::plot::{Axis, Figure, Panel, Series};
-use morph_collision_workspace::tables::progress;
+use morph_collision_testkit::report::{Axis, Figure, NOTHING, Panel, Series, Store, Table};
+use morph_collision_workspace::outcome::progress_bar;
 
-use crate::follower::{Follower, Now};
-use crate::stage::{SCENES, Scene, Stage};
+use follower::{Follower, Now};
+use stage::{SCENES, Scene, Stage};
 
 /// Tolerances, in sizes of a body. The others are compared with the first.
 const TOLERANCES: [f32; 5] = [0.0, 0.001, 0.0025, 0.005, 0.01];
@@ -37,13 +38,13 @@ struct Row {
 }
 
 /// Measures all scenes and draws the plot.
-pub(crate) fn make(quick: bool, plots: &Path) -> Result<String, String> {
+pub(crate) fn table(quick: bool, store: &Store) -> Result<String, String> {
     let frames = if quick { 20 } else { 180 };
     let mut text = String::new();
     let (mut times, mut errors) = (Vec::new(), Vec::new());
     for scene in &SCENES {
         let rows = measure(scene, frames)?;
-        write_rows(&mut text, scene, &rows, frames);
+        text += &of_scene(scene, &rows, frames);
         let percent = TOLERANCES.map(|tolerance| 100.0 * f64::from(tolerance));
         let points = |of: &dyn Fn(&Row) -> f64| percent.into_iter().zip(rows.iter().map(of)).collect();
         times.push(series(scene.name, points(&|row| median(row.ratios.iter().copied()))));
@@ -74,7 +75,7 @@ pub(crate) fn make(quick: bool, plots: &Path) -> Result<String, String> {
         ],
     };
     let alt = "Time of a frame, and the largest displacement found, against the tolerance";
-    let picture = figure.write(plots, alt).map_err(|error| error.to_string())?;
+    let picture = store.plot(&figure, alt).map_err(|error| error.to_string())?;
     Ok(format!("{text}\n{picture}"))
 }
 
@@ -87,7 +88,7 @@ fn series(name: &str, points: Vec<(f64, f64)>) -> Series {
 }
 
 fn measure(scene: &Scene, frames: usize) -> Result<Vec<Row>, String> {
-    let bar = progress(2 * frames as u64);
+    let bar = progress_bar(2 * frames as u64);
     let stages: Result<Vec<Stage>, String> = TOLERANCES
         .iter()
         .map(|&tolerance| Stage::new(scene, tolerance))
@@ -187,32 +188,38 @@ impl Row {
     }
 }
 
-fn write_rows(text: &mut String, scene: &Scene, rows: &[Row], frames: usize) {
+fn of_scene(scene: &Scene, rows: &[Row], frames: usize) -> String {
     let Scene { name, count, model, .. } = scene;
-    let _ = write!(
-        text,
-        "\n**{count} {name}** (`{model}`). {frames} frames; a time of 1 is {:.0} us.\n\n\
-         | tolerance, promised | found | time | colliders held | pairs compared | bound / true | missed | false |\n\
-         |--:|--:|--:|--:|--:|--:|--:|--:|\n",
-        rows.first().map_or(0.0, |row| median(row.times.iter().copied()))
-    );
+    let mut table = Table::new([
+        "tolerance, promised",
+        "found",
+        "time",
+        "colliders held",
+        "pairs compared",
+        "bound / true",
+        "missed",
+        "false",
+    ]);
     let all = rows.first().map_or(1, |row| row.compared).max(1) as f64;
     for (row, tolerance) in rows.iter().zip(TOLERANCES) {
         let looseness = match row.looseness.is_empty() {
-            true => "-".to_owned(),
+            true => NOTHING.to_owned(),
             false => format!("{:.2}", median(row.looseness.iter().copied())),
         };
         let share = |part: usize, of: usize| 100.0 * part as f64 / of.max(1) as f64;
-        let _ = writeln!(
-            text,
-            "| {:.2} % | {:.3} % | {:.2} | {:.0} % | {:.0} % | {looseness} | {:.2} % | {:.2} % |",
-            100.0 * tolerance,
-            100.0 * row.found,
-            median(row.ratios.iter().copied()),
-            share(row.held, row.colliders),
-            100.0 * row.compared as f64 / all,
-            share(row.missed, row.touching),
-            share(row.false_alarms, row.touching),
-        );
+        table.row([
+            format!("{:.2} %", 100.0 * tolerance),
+            format!("{:.3} %", 100.0 * row.found),
+            format!("{:.2}", median(row.ratios.iter().copied())),
+            format!("{:.0} %", share(row.held, row.colliders)),
+            format!("{:.0} %", 100.0 * row.compared as f64 / all),
+            looseness,
+            format!("{:.2} %", share(row.missed, row.touching)),
+            format!("{:.2} %", share(row.false_alarms, row.touching)),
+        ]);
     }
+    format!(
+        "\n**{count} {name}** (`{model}`). {frames} frames; a time of 1 is {:.0} us.\n\n{table}",
+        rows.first().map_or(0.0, |row| median(row.times.iter().copied()))
+    )
 }

@@ -4,19 +4,22 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use morph_collision_testkit::plot::Figure;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::Figure;
+
 /// The folder of the pages, with the folders `data` and `plots`.
 #[derive(Clone, Debug)]
-pub(crate) struct Store {
-    pub(crate) pages: PathBuf,
+pub struct Store {
+    pages: PathBuf,
     data: PathBuf,
 }
 
 impl Store {
-    pub(crate) fn below(pages: &Path) -> Self {
+    /// The store of the pages in a folder.
+    #[must_use]
+    pub fn below(pages: &Path) -> Self {
         Self {
             pages: pages.to_owned(),
             data: pages.join("data"),
@@ -27,7 +30,7 @@ impl Store {
     ///
     /// # Errors
     /// The file cannot be read, or its rows are of another kind.
-    pub(crate) fn rows<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, Box<dyn Error>> {
+    pub fn rows<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, Box<dyn Error>> {
         let path = self.path(name);
         if !path.exists() {
             return Ok(Vec::new());
@@ -42,7 +45,7 @@ impl Store {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub(crate) fn write<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), Box<dyn Error>> {
+    pub fn write<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), Box<dyn Error>> {
         fs::create_dir_all(&self.data)?;
         let path = self.path(name);
         let mut writer = csv::Writer::from_path(&path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -56,16 +59,22 @@ impl Store {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub(crate) fn plot(&self, figure: &Figure, alt: &str) -> Result<String, Box<dyn Error>> {
+    pub fn plot(&self, figure: &Figure, alt: &str) -> Result<String, Box<dyn Error>> {
         let plots = self.pages.join("plots");
         fs::create_dir_all(&plots)?;
         figure.draw(&plots.join(&figure.name).with_extension("svg"))?;
         Ok(format!("![{alt}](plots/{}.svg)\n", figure.name))
     }
 
+    /// The folder of the pages.
+    #[must_use]
+    pub fn pages(&self) -> &Path {
+        &self.pages
+    }
+
     /// The same data, with pages and plots elsewhere.
-    #[cfg(test)]
-    pub(crate) fn with_pages(&self, pages: &Path) -> Self {
+    #[must_use]
+    pub fn with_pages(&self, pages: &Path) -> Self {
         Self {
             pages: pages.to_owned(),
             data: self.data.clone(),
@@ -73,7 +82,8 @@ impl Store {
     }
 
     /// The file of some rows.
-    pub(crate) fn path(&self, name: &str) -> PathBuf {
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
         self.data.join(name).with_extension("csv")
     }
 }

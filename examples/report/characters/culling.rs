@@ -1,17 +1,17 @@
 //! Boxes for culling: how large they are, what they miss, and what they cost.
 
-use std::fmt::Write as _;
-
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::math::{DAffine3, DMat4, DVec3, Mat4};
 use bevy::prelude::*;
 use bevy_morph_collision::bounds::MorphBoundsPlugin;
 use morph_collision_testkit::bench::{Stopwatch, median};
+use morph_collision_testkit::report::Table;
 use morph_collision_workspace::drawn::{Part, extent};
-use morph_collision_workspace::tables::progress;
+use morph_collision_workspace::outcome::progress_bar;
 
-use super::stage::{Model, Stage, grid};
+use super::stage::{Stage, grid};
+use crate::model::Model;
 
 /// The clips that are compared on their own; all other clips of a model are compared together.
 const MODELS: [(&str, &[&str]); 4] = [
@@ -73,10 +73,10 @@ impl Seen {
         self.burst += usize::from(!holds);
     }
 
-    fn cells(&self) -> String {
+    fn cells(&self) -> [String; 3] {
         let worst = self.ratios.iter().copied().fold(0.0, f64::max);
         let middle = median(self.ratios.iter().copied());
-        format!(" {middle:.3} | {worst:.3} | {} |", self.burst)
+        [format!("{middle:.3}"), format!("{worst:.3}"), self.burst.to_string()]
     }
 }
 
@@ -101,8 +101,8 @@ impl Compared {
         self.stages[0].clip_names()
     }
 
-    /// The number of boxes in all frames of some clips, and the cells of a row about them.
-    fn row(&mut self, clips: &[String], quick: bool) -> Result<String, String> {
+    /// Adds a row about the boxes in all frames of some clips.
+    fn row(&mut self, table: &mut Table, names: [&str; 2], clips: &[String], quick: bool) -> Result<(), String> {
         let mut seen = [Seen::default(), Seen::default()];
         for clip in clips {
             let mut length = 0.0;
@@ -123,16 +123,33 @@ impl Compared {
             }
         }
         let [ours, bevys] = &seen;
-        Ok(format!("{} |{}{}", ours.ratios.len(), ours.cells(), bevys.cells()))
+        let cells = names
+            .map(str::to_owned)
+            .into_iter()
+            .chain([ours.ratios.len().to_string()]);
+        table.row(cells.chain(ours.cells()).chain(bevys.cells()));
+        Ok(())
     }
 }
 
-/// A table's columns after the first two.
-const COLUMNS: &str = "boxes | ours: median | worst | boxes with a vertex outside | Bevy's: median | worst | boxes with a vertex outside |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n";
+/// A table whose second column has this title.
+fn table(second: &str) -> Table {
+    Table::new([
+        "model",
+        second,
+        "boxes",
+        "ours: median",
+        "worst",
+        "boxes with a vertex outside",
+        "Bevy's: median",
+        "worst",
+        "boxes with a vertex outside",
+    ])
+}
 
 /// The size of boxes of upright characters.
 pub(crate) fn sizes(quick: bool) -> Result<String, String> {
-    let mut table = format!("| model | clip | {COLUMNS}");
+    let mut table = table("clip");
     for (name, own_rows) in MODELS {
         let mut compared = Compared::new(name, Transform::default())?;
         let clips = compared.clips();
@@ -144,32 +161,32 @@ pub(crate) fn sizes(quick: bool) -> Result<String, String> {
                 .map(|&clip| (format!("`{clip}`"), vec![clip.to_owned()]))
                 .collect()
         };
-        let bar = progress(rows.len() as u64);
+        let bar = progress_bar(rows.len() as u64);
         for (title, clips) in rows {
-            let _infallible = writeln!(table, "| {name} | {title} | {}", compared.row(&clips, quick)?);
+            compared.row(&mut table, [name, &title], &clips, quick)?;
             bar.inc(1);
         }
         bar.finish_and_clear();
     }
-    Ok(table)
+    Ok(table.to_string())
 }
 
 /// The size of boxes of turned characters, over all clips.
 pub(crate) fn turned(quick: bool) -> Result<String, String> {
     const DEGREES: [f32; 3] = [0.0, 45.0, 90.0];
-    let mut table = format!("| model | turned by | {COLUMNS}");
-    let bar = progress((MODELS.len() * DEGREES.len()) as u64);
+    let mut table = table("turned by");
+    let bar = progress_bar((MODELS.len() * DEGREES.len()) as u64);
     for (name, _) in MODELS {
         for degrees in DEGREES {
             let place = Transform::from_rotation(Quat::from_rotation_y(degrees.to_radians()));
             let mut compared = Compared::new(name, place)?;
             let clips = compared.clips();
-            let _infallible = writeln!(table, "| {name} | {degrees}° | {}", compared.row(&clips, quick)?);
+            compared.row(&mut table, [name, &format!("{degrees}°")], &clips, quick)?;
             bar.inc(1);
         }
     }
     bar.finish_and_clear();
-    Ok(table)
+    Ok(table.to_string())
 }
 
 /// Characters in the timed crowd: about 22,000 joints.
@@ -216,15 +233,19 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
     for (stage, dynamic) in stages.iter_mut().zip([false, false, true]) {
         stage.set_dynamic_bounds(dynamic);
     }
-    let mut table = String::from(
-        "| what the characters do | ours, ns per joint | Bevy's, ns per joint | ours in a frame, µs | ratio |\n|---|--:|--:|--:|--:|\n",
-    );
+    let mut table = Table::new([
+        "what the characters do",
+        "ours, ns per joint",
+        "Bevy's, ns per joint",
+        "ours in a frame, µs",
+        "ratio",
+    ]);
     let clips = [
         ("walk", "walk: joints move"),
         ("talk", "talk: some joints and the face move"),
         ("walk_and_talk", "walk and talk: both move"),
     ];
-    let bar = progress(clips.len() as u64 + 1);
+    let bar = progress_bar(clips.len() as u64 + 1);
     let mut rows: Vec<(&str, Option<&str>)> = clips.iter().map(|&(clip, what)| (what, Some(clip))).collect();
     rows.push(("nothing moves", None));
     for (what, clip) in rows {
@@ -245,15 +266,15 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
         let [nothing, ours, bevys] = times.map(|times| median(times.into_iter()));
         let (ours, bevys) = (ours - nothing, bevys - nothing);
         let per_joint = |time: f64| time * 1e3 / (CHARACTERS * JOINTS) as f64;
-        let _infallible = writeln!(
-            table,
-            "| {what} | {:.1} | {:.1} | {ours:.0} | {:.2} |",
-            per_joint(ours),
-            per_joint(bevys),
-            bevys / ours
-        );
+        table.row([
+            what.to_owned(),
+            format!("{:.1}", per_joint(ours)),
+            format!("{:.1}", per_joint(bevys)),
+            format!("{ours:.0}"),
+            format!("{:.2}", bevys / ours),
+        ]);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(table)
+    Ok(table.to_string())
 }

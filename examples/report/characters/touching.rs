@@ -1,18 +1,18 @@
 //! Which characters touch: what finding out costs per frame, and which answers are right.
 
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
-
 use bevy::camera::primitives::Aabb;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::oracle::intersecting_pairs;
+use morph_collision_testkit::report::Table;
 use morph_collision_workspace::drawn::{extent, near};
-use morph_collision_workspace::tables::progress;
+use morph_collision_workspace::outcome::progress_bar;
+use std::collections::BTreeSet;
 
 use super::capsules::{self, Fit, fitted};
-use super::stage::{Model, Stage, frame_times, grid};
+use super::stage::{Stage, frame_times, grid};
+use crate::model::Model;
 
 const CHARACTERS: usize = 100;
 const CLIP: &str = "walk_and_talk";
@@ -147,33 +147,38 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
         let stages: Result<Vec<Stage>, String> = Way::ALL.iter().map(|way| way.stage(&model, apart)).collect();
         of_crowds.push(frame_times(&mut stages?, frames));
     }
-    let mut table = String::from("| |");
-    for (crowd, _) in CROWDS {
-        let _infallible = write!(table, " {crowd}, µs | ratio |");
-    }
-    table.push_str("\n|---|--:|--:|--:|--:|\n");
+    let columns = CROWDS.map(|(crowd, _)| [format!("{crowd}, µs"), "ratio".to_owned()]);
+    let mut table = Table::new([String::new()].into_iter().chain(columns.into_iter().flatten()));
     for (i, way) in Way::ALL.iter().enumerate() {
-        let _infallible = write!(table, "| {} |", way.name());
-        for times in &of_crowds {
+        let cells = |times: &Vec<f64>| {
             let (base, ours) = (times[0], times[1] - times[0]);
-            let _infallible = match way {
-                Way::Nothing => write!(table, " ({base:.0}) | |"),
-                _ => write!(table, " {:.0} | {:.2} |", times[i] - base, (times[i] - base) / ours),
-            };
-        }
-        table.push('\n');
+            match way {
+                Way::Nothing => [format!("({base:.0})"), String::new()],
+                _ => [
+                    format!("{:.0}", times[i] - base),
+                    format!("{:.2}", (times[i] - base) / ours),
+                ],
+            }
+        };
+        let name = [way.name().to_owned()];
+        table.row(name.into_iter().chain(of_crowds.iter().flat_map(cells)));
     }
-    Ok(table)
+    Ok(table.to_string())
 }
 
 /// Each way's answers about pairs of characters, compared with the truth.
 pub(crate) fn answers(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let moments: u32 = if quick { 2 } else { 15 };
-    let mut table = String::from(
-        "| crowd | method | touching pairs of characters, by brute force | reported | missed | false |\n|---|---|--:|--:|--:|--:|\n",
-    );
-    let bar = progress(u64::from(moments) * CROWDS.len() as u64);
+    let mut table = Table::new([
+        "crowd",
+        "method",
+        "touching pairs of characters, by brute force",
+        "reported",
+        "missed",
+        "false",
+    ]);
+    let bar = progress_bar(u64::from(moments) * CROWDS.len() as u64);
     for (crowd, apart) in CROWDS {
         let ways = &Way::ALL[1..];
         let mut stages: Vec<Stage> = ways
@@ -206,14 +211,12 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
             } else {
                 way.name()
             };
-            let _infallible = writeln!(
-                table,
-                "| {crowd} | {name} | {in_truth} | {reported} | {missed} | {wrong} |"
-            );
+            let counts = [in_truth, *reported, *missed, *wrong].map(|count| count.to_string());
+            table.row([crowd, name].map(str::to_owned).into_iter().chain(counts));
         }
     }
     bar.finish_and_clear();
-    Ok(table)
+    Ok(table.to_string())
 }
 
 /// Checks that Rapier's pairs are those of the capsules. Otherwise the comparison would be unfair.

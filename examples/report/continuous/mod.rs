@@ -1,45 +1,15 @@
-//! Rewrites the table of docs/continuous.md in place: the longest updates of an app in which continuous bodies do their worst.
-//!
-//! `--help` lists the options; `just continuous-report` runs it.
+//! The longest updates of an app in which continuous bodies do their worst.
 
 mod scenes;
 
-use std::fmt::Write;
-use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use clap::Parser;
-use morph_collision_testkit::bench::{cpu, median};
-use morph_collision_workspace::outcome::exit_code;
-use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
+use morph_collision_testkit::bench::median;
+use morph_collision_testkit::report::Table;
 
-use self::scenes::{Scene, scenes};
-
-/// The longest updates with continuous bodies that collapse, blow up or slide over each other.
-#[derive(Parser)]
-struct Options {
-    /// The page to rewrite.
-    #[arg(default_value = "docs/continuous.md")]
-    page: PathBuf,
-    #[command(flatten)]
-    tables: TableOptions,
-}
-
-fn main() -> ExitCode {
-    exit_code(run(&Options::parse()))
-}
-
-fn run(options: &Options) -> Result<(), String> {
-    let rounds = if options.tables.quick { 1 } else { 9 };
-    let sections: [Section<'_>; 2] = [
-        ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
-        ("worst-updates", Box::new(move || table(rounds))),
-    ];
-    rewrite(&options.page, &options.tables, &sections)
-}
+use scenes::{Scene, scenes};
 
 /// The longest update of a scene.
 struct Worst {
@@ -48,23 +18,28 @@ struct Worst {
     is_limited: bool,
 }
 
-fn table(rounds: usize) -> Result<String, String> {
-    let mut text =
-        "| in one frame, unless it says otherwise | ms | not continuous, ms | exact tests | limit reached |\n\
-        |---|--:|--:|--:|---|\n"
-            .to_owned();
+/// The table of all scenes.
+pub(crate) fn table(quick: bool) -> Result<String, String> {
+    let rounds = if quick { 1 } else { 9 };
+    let mut table = Table::new([
+        "in one frame, unless it says otherwise",
+        "ms",
+        "not continuous, ms",
+        "exact tests",
+        "limit reached",
+    ]);
     for scene in scenes()? {
         let [continuous, discrete] = [true, false].map(|is_continuous| median_of(&scene, is_continuous, rounds));
         let (continuous, discrete) = (continuous?, discrete?);
-        let limited = if continuous.is_limited { "yes" } else { "no" };
-        writeln!(
-            text,
-            "| {} | {:.2} | {:.2} | {} | {limited} |",
-            scene.name, continuous.milliseconds, discrete.milliseconds, continuous.exact_tests
-        )
-        .map_err(|error| error.to_string())?;
+        table.row([
+            scene.name,
+            format!("{:.2}", continuous.milliseconds),
+            format!("{:.2}", discrete.milliseconds),
+            continuous.exact_tests.to_string(),
+            if continuous.is_limited { "yes" } else { "no" }.to_owned(),
+        ]);
     }
-    Ok(text)
+    Ok(table.to_string())
 }
 
 /// The median time of some rounds, each in a new app, and the work of the last one.

@@ -1,33 +1,35 @@
 //! Times frames with bodies near morphing surfaces: the scenes, and a timer that runs the methods in turns.
 
-use std::fmt::Write as _;
 use std::time::Instant;
 
 use bevy::prelude::*;
 use morph_collision_testkit::bench::median;
-
-use super::DT;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::report::Table;
+use morph_collision_workspace::outcome::progress_bar;
+use morph_collision_workspace::physics::drops::Kind;
+use morph_collision_workspace::physics::engine::{Engine, PoseSurface};
+use morph_collision_workspace::physics::{DT, settle, sheet};
 
 /// Sheets in a row, and bodies.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene {
+struct Scene {
     /// Its description.
-    pub what: &'static str,
+    what: &'static str,
     /// Number of sheets.
-    pub shapes: usize,
+    shapes: usize,
     /// Number of sheets with bodies on them; these are the first ones.
-    pub on: usize,
+    on: usize,
     /// Bodies on each of these sheets.
-    pub bodies: usize,
+    bodies: usize,
     /// Bodies beside each sheet, on a level floor of their own.
-    pub beside: usize,
+    beside: usize,
     /// Whether the sheets change in every frame.
-    pub morphs: bool,
+    morphs: bool,
 }
 
 /// The scenes in which all methods are timed.
-#[must_use]
-pub fn scenes() -> Vec<Scene> {
+fn scenes() -> Vec<Scene> {
     let few = |shapes, on| Scene {
         what: "few bodies",
         shapes,
@@ -84,18 +86,18 @@ pub fn scenes() -> Vec<Scene> {
 
 impl Scene {
     /// The position of each sheet.
-    pub fn sheets(&self) -> impl Iterator<Item = Vec3> + use<> {
+    fn sheets(&self) -> impl Iterator<Item = Vec3> + use<> {
         (0..self.shapes).map(sheet_at)
     }
 
     /// The position of each floor, which is 6 by 8 with a height of 1 and centred there.
-    pub fn floors(&self) -> impl Iterator<Item = Vec3> + use<> {
+    fn floors(&self) -> impl Iterator<Item = Vec3> + use<> {
         let floors = if self.beside > 0 { self.shapes } else { 0 };
         (0..floors).map(|i| sheet_at(i) + Vec3::new(10.0, -0.5, 0.0))
     }
 
     /// The positions of bodies with radius or half-extent 0.3, alternating balls and cuboids. Those on sheets come first.
-    pub fn places(&self) -> impl Iterator<Item = Vec3> + use<> {
+    fn places(&self) -> impl Iterator<Item = Vec3> + use<> {
         let Self {
             shapes,
             on,
@@ -111,8 +113,7 @@ impl Scene {
     }
 
     /// Number of bodies.
-    #[must_use]
-    pub fn count(&self) -> usize {
+    fn count(&self) -> usize {
         self.on * self.bodies + self.shapes * self.beside
     }
 }
@@ -122,14 +123,13 @@ fn sheet_at(i: usize) -> Vec3 {
 }
 
 /// A world in which one method is timed, and a function that gives its sheets weights.
-pub type Timed<'a> = (App, Box<dyn FnMut(&mut App, &[f32]) + 'a>);
+type Timed<'a> = (App, PoseSurface<'a>);
 
 /// Number of consecutive frames of one method.
 const TURN: usize = 20;
 
 /// Medians of whole frames in microseconds; the methods take turns.
-#[must_use]
-pub fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64> {
+fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64> {
     // Each turn has several frames, so that caches are as warm as in a game of its own.
     let mut times = vec![Vec::new(); worlds.len()];
     for turn in 0..=frames.div_ceil(TURN) {
@@ -152,32 +152,50 @@ pub fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64
 }
 
 /// A table of the times: ours in microseconds, those of the rivals relative to ours.
-#[must_use]
-pub fn table<'a>(quick: bool, rivals: &[&str], worlds: impl Fn(&Scene) -> Vec<Timed<'a>>) -> String {
-    let mut table = String::from("| surfaces | bodies | ours, µs |");
-    for rival in rivals {
-        let _infallible = write!(table, " {rival} |");
-    }
-    table.push_str("\n|---|---|--:|");
-    table.push_str(&"--:|".repeat(rivals.len()));
-    table.push('\n');
+pub(super) fn table(methods: &[impl Engine], quick: bool) -> Table {
+    let mesh = sheet(101);
+    let rivals = methods[1..].iter().map(Engine::name);
+    let mut table = Table::new(["surfaces", "bodies", "ours, µs"].into_iter().chain(rivals));
     let scenes = scenes();
-    let progress = crate::tables::progress(scenes.len() as u64);
+    let progress = progress_bar(scenes.len() as u64);
     for scene in &scenes {
         let frames = match (quick, scene.shapes) {
             (true, _) => 20,
             (_, 100..) => 40,
             _ => 100,
         };
-        let row = time(scene, frames, worlds(scene));
-        let (shapes, bodies) = (scene.shapes, scene.count());
-        let _infallible = write!(table, "| {shapes} | {bodies} ({}) | {:.0} |", scene.what, row[0]);
-        for rival in &row[1..] {
-            let _infallible = write!(table, " {:.2} |", rival / row[0]);
-        }
-        table.push('\n');
+        let worlds = methods.iter().map(|method| world(scene, method, &mesh)).collect();
+        let row = time(scene, frames, worlds);
+        let ours = [
+            scene.shapes.to_string(),
+            format!("{} ({})", scene.count(), scene.what),
+            format!("{:.0}", row[0]),
+        ];
+        let ratios = row[1..].iter().map(|rival| format!("{:.2}", rival / row[0]));
+        table.row(ours.into_iter().chain(ratios));
         progress.inc(1);
     }
     progress.finish_and_clear();
     table
+}
+
+/// A scene with one method.
+fn world<'a>(scene: &Scene, method: &impl Engine, mesh: &'a MorphMesh) -> Timed<'a> {
+    let mut app = method.app(1.0, DT);
+    let mut shared = None;
+    let spawn = |at| method.surface(&mut app, mesh, at, &mut shared);
+    let mut surfaces: Vec<_> = scene.sheets().map(spawn).collect();
+    for at in scene.floors() {
+        method.floor(&mut app, Vec3::new(3.0, 0.5, 4.0), at);
+    }
+    settle(&mut app);
+    for (i, at) in scene.places().enumerate() {
+        let kind = if i % 2 == 0 { Kind::Ball } else { Kind::Cuboid };
+        let body = method.body(&mut app, kind, Vec3::splat(0.3), at);
+        method.stay_awake(&mut app, body);
+    }
+    let pose = move |app: &mut App, weights: &[f32]| {
+        surfaces.iter_mut().for_each(|surface| surface(app, weights));
+    };
+    (app, Box::new(pose))
 }

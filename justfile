@@ -289,10 +289,6 @@ plugin-report PAGE *ARGS:
 bench *NAME:
     cargo bench -p morph_collision_testkit --bench queries -- {{NAME}}
 
-# Counts the instructions of queries (needs valgrind, and gungraun-runner in the same version as gungraun).
-bench-instructions *ARGS:
-    cargo bench -p morph_collision_testkit --bench instructions -- {{ARGS}}
-
 # Counts the instructions of 20 frames of the bench scenes, in millions (needs valgrind). Default: all scenes.
 instructions *SCENES: release
     #!/usr/bin/env bash

@@ -10,7 +10,7 @@ pub(crate) const HEADING: &str = "Methods";
 pub(crate) const HYBRID_BINARY: &str = "hybrid-binary";
 
 /// All methods with a description each.
-const METHODS: [(&str, &str); 12] = [
+const METHODS: [(&str, &str); 10] = [
     ("morph", "this library's method"),
     (
         "morph-eager",
@@ -28,9 +28,7 @@ const METHODS: [(&str, &str); 12] = [
     (HYBRID_BINARY, "the same with two children per node"),
     ("bottom-up", "refits all boxes from the leaves up"),
     ("joint-boxes", "boxes from one box per joint; for skinned models"),
-    ("joint-union", "looser boxes from one box per joint; for skinned models"),
     ("parry-trimesh", "Parry's triangle mesh with updated vertices"),
-    ("parry-bvh", "Parry's tree, refitted"),
     (
         "brute-force",
         "all triangles against all, in exact arithmetic; very slow",

@@ -29,7 +29,7 @@ const SPLIT_ROUNDS: usize = 1;
 
 const EXAMPLES: &str = "Examples:
   morph-collide bench face.glb
-  morph-collide bench face.glb --method parry-bvh --method hybrid --bodies 4";
+  morph-collide bench face.glb --method parry-trimesh --method hybrid --bodies 4";
 
 const LONG: &str = "How times are taken:
 

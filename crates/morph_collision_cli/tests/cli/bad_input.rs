@@ -230,7 +230,10 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
             &["--arity", "parry-trimesh"],
         ),
         (&["--method", "brute-force", "--leaf", "2"], &["--leaf", "brute-force"]),
-        (&["--method", "parry-bvh", "--witness"], &["--witness", "parry-bvh"]),
+        (
+            &["--method", "parry-trimesh", "--witness"],
+            &["--witness", "parry-trimesh"],
+        ),
         (&["--witness"], &["--witness", "--mode first"]),
     ] {
         let args = [

@@ -42,7 +42,6 @@ fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
             "hybrid-binary",
             "bottom-up",
             "parry-trimesh",
-            "parry-bvh",
         ] {
             assert!(names.contains(&name), "no {name} in {names:?}");
         }
@@ -87,15 +86,7 @@ fn a_skinned_model_plays_its_clip_against_the_methods_for_skins() -> TestResult 
     let scene = &list(&report, "scenes")?[0];
     let methods = list(scene, "methods")?;
     let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
-    for name in [
-        "morph",
-        "bottom-up",
-        "joint-boxes",
-        "joint-union",
-        "rigid-floor",
-        "parry-trimesh",
-        "parry-bvh",
-    ] {
+    for name in ["morph", "bottom-up", "joint-boxes", "rigid-floor", "parry-trimesh"] {
         assert!(names.contains(&name), "no {name} in {names:?}");
     }
     // It does not support joints.

@@ -60,7 +60,7 @@ fn help_shows_defaults_and_the_same_methods_for_run_and_bench() -> TestResult {
     };
     let of_run = methods("run")?;
     assert!(
-        of_run.len() == 12 && of_run.contains(&"hybrid".to_owned()),
+        of_run.len() == 10 && of_run.contains(&"hybrid".to_owned()),
         "{of_run:?}"
     );
     assert_eq!(methods("bench")?, of_run);

@@ -59,7 +59,7 @@ const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
     /// All methods that a benchmark runs, ours first.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 9] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
         Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
         Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
@@ -68,9 +68,7 @@ impl Entrant {
         Self::new("hybrid-binary", MethodKind::Hybrid, BINARY),
         Self::new("bottom-up", MethodKind::BottomUp, WIDE),
         Self::new("joint-boxes", MethodKind::JointBoxes, WIDE),
-        Self::new("joint-union", MethodKind::JointUnion, WIDE),
         Self::new("parry-trimesh", MethodKind::ParryTriMesh, WIDE),
-        Self::new("parry-bvh", MethodKind::ParryBvh, WIDE),
     ];
 
     /// Methods that are far slower than all others, so that they run only if they are asked for.

@@ -5,7 +5,7 @@
 //!
 //! - `leaves tight` uses the smallest boxes for leaves on both sides, `all` uses every box as it is.
 //! - `/ morph` is the sum over all boxes divided by that of `morph`, whose boxes are in joint spaces. The boxes of `joint-boxes`
-//!   and `joint-union` are along the world's axes, over a tree of their own with leaves of the same size.
+//!   are along the world's axes, over a tree of their own with leaves of the same size.
 //!
 //! With joints that scale unevenly (`Scaled`) it says little, because areas in stretched spaces are compared with areas in the
 //! world.
@@ -59,11 +59,9 @@ fn of_mesh(mesh: &MorphMesh) -> Result<(), Box<dyn Error>> {
     let Some(skin) = &mesh.skin else { return Ok(()) };
     let options = BuildOptions::default();
     let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(mesh.to_model()?), &options)));
-    let rivals = [false, true].map(|union| JointNodes::new(mesh, union, &options.into()));
-    let [joint_boxes, joint_union] = rivals;
-    let rivals = [joint_boxes?, joint_union?];
+    let joint_boxes = JointNodes::new(mesh, &options.into())?;
     let mut rng = Pcg64Mcg::seed_from_u64(1);
-    let mut sums: BTreeMap<String, [Tightness; 3]> = BTreeMap::new();
+    let mut sums: BTreeMap<String, [Tightness; 2]> = BTreeMap::new();
     let mut add = |poses: String, joints: &[Affine3A]| -> Result<(), Box<dyn Error>> {
         let weights = weights(&mut rng, mesh.targets.len());
         pose.set_joints(&JointMatrices::new(joints)?)?;
@@ -71,11 +69,9 @@ fn of_mesh(mesh: &MorphMesh) -> Result<(), Box<dyn Error>> {
         let corners = tightness::corners(&mut pose);
         let sums = sums.entry(poses).or_default();
         sums[0].add(&tightness::of_pose(&mut pose, &corners));
-        for (sum, rival) in sums[1..].iter_mut().zip(&rivals) {
-            sum.add(&tightness::of_nodes(&corners, |visitor| {
-                rival.visit(&weights, joints, visitor);
-            }));
-        }
+        sums[1].add(&tightness::of_nodes(&corners, |visitor| {
+            joint_boxes.visit(&weights, joints, visitor);
+        }));
         Ok(())
     };
     for clip in &skin.skeleton.clips {
@@ -90,7 +86,7 @@ fn of_mesh(mesh: &MorphMesh) -> Result<(), Box<dyn Error>> {
         }
     }
     for (poses, of_methods) in sums {
-        for (method, costs) in ["morph", "joint-boxes", "joint-union"].iter().zip(&of_methods) {
+        for (method, costs) in ["morph", "joint-boxes"].iter().zip(&of_methods) {
             let (leaves_tight, all) = (costs.ratio_with_tight_leaves(), costs.ratio());
             let ratio = costs.actual / of_methods[0].actual;
             println!(

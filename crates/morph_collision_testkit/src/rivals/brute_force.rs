@@ -7,7 +7,7 @@ use morph_collision::{Aabb, QueryStats, TrianglePair};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::cast::cast_at_all;
-use super::{CastHit, CastRay, Method, PoseError, Wanted};
+use super::{CastHit, CastRay, Method, PoseError, Wanted, push};
 use crate::oracle::visit_intersecting_pairs;
 
 /// Bodies with all their vertices in world space.
@@ -73,8 +73,8 @@ impl Method for BruteForce {
         let (of_a, of_b) = (&a.body.mesh.triangles, &b.body.mesh.triangles);
         self.work.triangle_tests += of_a.len() as u64 * of_b.len() as u64;
         let start = pairs.len();
-        let push = |triangle_a, triangle_b| wanted.push(pairs, start, TrianglePair { triangle_a, triangle_b });
-        visit_intersecting_pairs(&a.world, of_a, &b.world, of_b, push);
+        let keep = |triangle_a, triangle_b| push(wanted, pairs, start, TrianglePair { triangle_a, triangle_b });
+        visit_intersecting_pairs(&a.world, of_a, &b.world, of_b, keep);
     }
 
     fn cast(&mut self, body: usize, ray: &CastRay) -> Option<CastHit> {

@@ -2,12 +2,10 @@
 //! before joints move it. Its box in a frame encloses the images of these boxes under their joints.
 //!
 //! Bevy does this for the bounds of a whole mesh (`DynamicSkinnedMeshBounds`); here it is done for every node, when a walk
-//! reaches it. Targets widen the boxes by the largest amount they can move the vertices. With [`OfJoints`], a joint's box
-//! encloses the vertices that the joint moves; with [`OfNode`], all vertices of the node. This is correct if weights are not
-//! negative: a vertex is between its images under its joints, times the sum of its weights.
+//! reaches it. Targets widen the boxes by the largest amount they can move the vertices. A joint's box encloses the
+//! vertices that the joint moves. This is correct if weights are not negative: a vertex is between its images under its joints,
+//! times the sum of its weights.
 
-use std::fmt::Debug;
-use std::marker::PhantomData;
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3, Vec3A};
@@ -20,30 +18,9 @@ use super::boxes::{Box3, Box8};
 use super::tree::{Tree, VertexLists};
 use super::walk::Refit;
 
-/// Which vertices the boxes of a node's joints enclose.
-pub(super) trait Around: Debug + Clone + Send + Sync + 'static {
-    const ALL_VERTICES: bool;
-}
-
-/// The vertices that the joint moves.
-#[derive(Clone, Debug)]
-pub(super) struct OfJoints;
-
-/// All vertices of the node.
-#[derive(Clone, Debug)]
-pub(super) struct OfNode;
-
-impl Around for OfJoints {
-    const ALL_VERTICES: bool = false;
-}
-
-impl Around for OfNode {
-    const ALL_VERTICES: bool = true;
-}
-
 /// A tree with such boxes.
 #[derive(Clone, Debug)]
-pub(super) struct JointBoxes<A> {
+pub(super) struct JointBoxes {
     measured: Arc<Measured>,
     weights: Vec<f32>,
     joints: Vec<Affine3A>,
@@ -54,7 +31,6 @@ pub(super) struct JointBoxes<A> {
     vertices: Vec<(u32, DVec3)>,
     frame: u32,
     placed: u64,
-    around: PhantomData<A>,
 }
 
 /// The data that does not change from frame to frame.
@@ -92,7 +68,7 @@ struct TargetBox {
 }
 
 impl Measured {
-    pub(super) fn new(mesh: &WeldedMesh, options: &MethodOptions, all_vertices: bool) -> Self {
+    pub(super) fn new(mesh: &WeldedMesh, options: &MethodOptions) -> Self {
         let tree = tree_at_rest(mesh, options);
         let mut by_vertex: Vec<_> = mesh
             .displacements()
@@ -120,13 +96,13 @@ impl Measured {
         };
         for group in 0..measured.nodes.len() {
             for lane in 0..measured.tree.groups[group].children().len() {
-                measured.nodes[group][lane] = measured.node(mesh, lists.of(group, lane), all_vertices);
+                measured.nodes[group][lane] = measured.node(mesh, lists.of(group, lane));
             }
         }
         measured
     }
 
-    fn node(&mut self, mesh: &WeldedMesh, vertices: &[u32], all_vertices: bool) -> Node {
+    fn node(&mut self, mesh: &WeldedMesh, vertices: &[u32]) -> Node {
         let first = self.joint_boxes.len() as u32;
         let mut sums = [f32::INFINITY, 0.0];
         let mut moved: Vec<(u16, u32)> = Vec::new();
@@ -143,8 +119,7 @@ impl Measured {
         moved.dedup();
         for of_joint in moved.chunk_by(|a, b| a.0 == b.0) {
             let own: Vec<u32> = of_joint.iter().map(|(_, vertex)| *vertex).collect();
-            let own = if all_vertices { vertices } else { &own };
-            self.joint_box(mesh, of_joint[0].0, own);
+            self.joint_box(mesh, of_joint[0].0, &own);
         }
         Node {
             joint_boxes: (first, self.joint_boxes.len() as u32),
@@ -217,7 +192,7 @@ impl Measured {
     }
 }
 
-impl<A: Around> JointBoxes<A> {
+impl JointBoxes {
     fn vertex(&mut self, body: &BlendedBody, vertex: u32) -> DVec3 {
         let index = vertex as usize;
         // Without joints, a body may have moved in the world although it keeps its shape.
@@ -236,12 +211,12 @@ impl<A: Around> JointBoxes<A> {
     }
 }
 
-impl<A: Around> Refit for JointBoxes<A> {
+impl Refit for JointBoxes {
     const LAZY: bool = true;
     const BAKES: bool = false;
 
     fn new(mesh: &WeldedMesh, options: &MethodOptions) -> Self {
-        let measured = Measured::new(mesh, options, A::ALL_VERTICES);
+        let measured = Measured::new(mesh, options);
         Self {
             weights: vec![0.0; mesh.target_count()],
             joints: vec![Affine3A::IDENTITY; mesh.joint_count().unwrap_or(1)],
@@ -251,7 +226,6 @@ impl<A: Around> Refit for JointBoxes<A> {
             frame: 0,
             placed: 0,
             measured: Arc::new(measured),
-            around: PhantomData,
         }
     }
 

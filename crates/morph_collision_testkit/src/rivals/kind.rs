@@ -10,10 +10,10 @@ use super::blended::WeldedMesh;
 use super::bottom_up::BottomUp;
 use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
-use super::joint_boxes::{JointBoxes, OfJoints, OfNode};
+use super::joint_boxes::JointBoxes;
 use super::morph::{Follow, Morph};
 use super::paper::{self, PaperOptions};
-use super::parry::{Meshed, Parry, Refitted};
+use super::parry::Parry;
 use super::rigid_floor::RigidFloor;
 use super::walk::Trees;
 use super::{Method, MethodOptions, SetUpError};
@@ -37,19 +37,15 @@ pub enum MethodKind {
     Hybrid,
     /// Boxes around the images of one box per joint, each around the vertices that the joint moves.
     JointBoxes,
-    /// The same with boxes around all vertices of a node.
-    JointUnion,
     /// Parry's triangle mesh with updated vertices.
     ParryTriMesh,
-    /// Parry's tree, refitted.
-    ParryBvh,
     /// All triangles against all, by the oracle.
     BruteForce,
 }
 
 impl MethodKind {
     /// All methods; the paper's with boxes.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 9] = [
         Self::Morph,
         Self::MorphEager,
         Self::RigidFloor,
@@ -57,9 +53,7 @@ impl MethodKind {
         Self::BottomUp,
         Self::Hybrid,
         Self::JointBoxes,
-        Self::JointUnion,
         Self::ParryTriMesh,
-        Self::ParryBvh,
         Self::BruteForce,
     ];
 
@@ -72,9 +66,7 @@ impl MethodKind {
             Self::BottomUp => "bottom-up",
             Self::Hybrid => "hybrid",
             Self::JointBoxes => "joint-boxes",
-            Self::JointUnion => "joint-union",
             Self::ParryTriMesh => "parry-trimesh",
-            Self::ParryBvh => "parry-bvh",
             Self::BruteForce => "brute-force",
         }
     }
@@ -88,7 +80,7 @@ impl MethodKind {
     /// Whether it is meaningful only for skinned meshes; otherwise benchmarks leave it out.
     #[must_use]
     pub const fn is_for_skins(self) -> bool {
-        matches!(self, Self::JointBoxes | Self::JointUnion)
+        matches!(self, Self::JointBoxes)
     }
 
     /// Whether it casts rays.
@@ -135,10 +127,8 @@ impl MethodKind {
             Self::Paper(options) => paper::set_up(&welded()?, bodies, options),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
-            Self::JointBoxes => Box::new(Trees::<JointBoxes<OfJoints>>::new(&welded()?, bodies, options)),
-            Self::JointUnion => Box::new(Trees::<JointBoxes<OfNode>>::new(&welded()?, bodies, options)),
-            Self::ParryTriMesh => Box::new(Parry::<Meshed>::new(&welded()?, bodies)?),
-            Self::ParryBvh => Box::new(Parry::<Refitted>::new(&welded()?, bodies)?),
+            Self::JointBoxes => Box::new(Trees::<JointBoxes>::new(&welded()?, bodies, options)),
+            Self::ParryTriMesh => Box::new(Parry::new(&welded()?, bodies)?),
             Self::BruteForce => Box::new(BruteForce::new(&welded()?, bodies)),
         })
     }

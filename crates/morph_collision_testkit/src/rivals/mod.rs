@@ -14,12 +14,10 @@
 //! | `bottom-up` | blends every vertex, refits every box | van den Bergen 1997 |
 //! | `hybrid` | blends every vertex, refits the upper half of the tree; the rest when a walk reaches it | Larsson, Akenine-Moller 2001 |
 //! | `joint-boxes` | nothing: a node's box encloses the images of boxes under its joints, one for each joint around the vertices that it moves | Bevy's bounds of skinned meshes, for every node |
-//! | `joint-union` | nothing: the same with one box for each node | |
 //! | `parry-trimesh` | blends every vertex in place, refits the tree of a `TriMesh` | Parry |
-//! | `parry-bvh` | blends every vertex, refits a bare `Bvh` and improves its order in memory | Parry |
 //! | `brute-force` | blends every vertex and places it in the world | the oracle |
 //!
-//! All methods but `paper` support skinned meshes. When joints have moved, all but ours and the two with boxes of joints
+//! All methods but `paper` support skinned meshes. When joints have moved, all but ours and `joint-boxes`
 //! place every vertex (`skin`).
 //!
 //! The comparison is fair to all of them: vertices are welded, targets with weight zero and vertices that a target does not move
@@ -80,42 +78,25 @@ pub use cast::{CastHit, CastRay};
 pub use joint_nodes::JointNodes;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
+pub use morph_collision::batch::Wanted;
 pub use node::RivalNode;
 pub use options::MethodOptions;
 pub use paper::{PaperOptions, PaperVolume, UnknownVolume};
 
-/// How many intersecting pairs of triangles to find for two bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wanted {
-    /// All of them.
-    All,
-    /// Any one.
-    First,
-    /// At most this many. The search ends with the last one, even if there are more.
-    UpTo(usize),
-}
-
-impl Wanted {
-    /// The most pairs that are listed for two bodies.
-    #[must_use]
-    pub fn limit(self) -> usize {
-        match self {
-            Self::All => usize::MAX,
-            Self::First => 1,
-            Self::UpTo(limit) => limit,
-        }
+/// Appends a pair to those from `start` on; breaks once the list is as long as wanted.
+fn push(wanted: Wanted, pairs: &mut Vec<TrianglePair>, start: usize, pair: TrianglePair) -> ControlFlow<()> {
+    let most = match wanted {
+        Wanted::All => usize::MAX,
+        Wanted::First => 1,
+        Wanted::UpTo(most) => most,
+    };
+    if pairs.len() - start < most {
+        pairs.push(pair);
     }
-
-    /// Appends a pair to those from `start` on; breaks once the list is as long as wanted.
-    fn push(self, pairs: &mut Vec<TrianglePair>, start: usize, pair: TrianglePair) -> ControlFlow<()> {
-        if pairs.len() - start < self.limit() {
-            pairs.push(pair);
-        }
-        if pairs.len() - start < self.limit() {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
+    if pairs.len() - start < most {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
     }
 }
 

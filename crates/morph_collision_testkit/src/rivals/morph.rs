@@ -9,7 +9,7 @@ use morph_collision::{
     WorldFromModel,
 };
 
-use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted};
+use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted, push};
 use crate::mesh::MorphMesh;
 
 /// Poses of shared trees with blended volumes.
@@ -110,7 +110,7 @@ impl Method for Morph {
         } = self;
         let start = pairs.len();
         match wanted {
-            Wanted::All | Wanted::UpTo(_) => query.visit(body_a, body_b, |pair| wanted.push(pairs, start, pair)),
+            Wanted::All | Wanted::UpTo(_) => query.visit(body_a, body_b, |pair| push(wanted, pairs, start, pair)),
             Wanted::First => pairs.extend(if *witness {
                 query.first_with(memories.entry((a, b)).or_default(), body_a, body_b)
             } else {

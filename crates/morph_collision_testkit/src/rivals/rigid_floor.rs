@@ -17,7 +17,7 @@ use morph_collision::{
 };
 use serde_json::Value;
 
-use super::{Method, MethodOptions, PoseError, SetUpError, Wanted, WeightLimits};
+use super::{Method, MethodOptions, PoseError, SetUpError, Wanted, WeightLimits, push};
 use crate::mesh::MorphMesh;
 
 /// Bodies of frozen meshes.
@@ -184,7 +184,9 @@ impl Method for RigidFloor {
         let (body_a, body_b) = (Body::new(&mut a.pose, &a.place), Body::new(&mut b.pose, &b.place));
         let start = pairs.len();
         match wanted {
-            Wanted::All | Wanted::UpTo(_) => self.query.visit(body_a, body_b, |pair| wanted.push(pairs, start, pair)),
+            Wanted::All | Wanted::UpTo(_) => self
+                .query
+                .visit(body_a, body_b, |pair| push(wanted, pairs, start, pair)),
             Wanted::First => pairs.extend(self.query.first(body_a, body_b)),
         }
         self.work += self.query.stats();

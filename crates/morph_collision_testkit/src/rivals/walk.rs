@@ -12,7 +12,7 @@ use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::{Box3, Box8};
 use super::frames::{SatLite, Side, world_bounds};
 use super::tree::{Child, Tree};
-use super::{CastHit, CastRay, Method, MethodOptions, PoseError, Wanted};
+use super::{CastHit, CastRay, Method, MethodOptions, PoseError, Wanted, push};
 
 mod cast;
 
@@ -259,7 +259,7 @@ impl<R: Refit> Method for Trees<R> {
 
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {
         let start = pairs.len();
-        self.walk(a, b, |pair| wanted.push(pairs, start, pair));
+        self.walk(a, b, |pair| push(wanted, pairs, start, pair));
         self.count_placed([a, b]);
     }
 

@@ -64,7 +64,7 @@ fn blended_boxes_visit_little_more_than_tight_ones() {
 #[test]
 fn a_body_with_the_weights_that_it_had_costs_nothing_again() {
     let moment = moments::dolphins(100);
-    for kind in [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryBvh] {
+    for kind in [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryTriMesh] {
         let mut method = kind.set_up(&moment.meshes, &[0], &MethodOptions::default()).unwrap();
         let (_, weights, place) = &moment.bodies[0];
         method.set_body(0, weights, place).unwrap();

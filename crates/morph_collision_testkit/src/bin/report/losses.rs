@@ -5,15 +5,13 @@ use morph_collision_testkit::report::{Table, ratio};
 use crate::record::Record;
 
 /// Everything that is not ours.
-const ALL_RIVALS: [&str; 9] = [
+const ALL_RIVALS: [&str; 7] = [
     "hybrid",
     "hybrid, binary",
     "bottom-up",
     "parry-trimesh",
-    "parry-bvh",
     "paper",
     "joint-boxes",
-    "joint-union",
     "brute-force",
 ];
 

@@ -120,12 +120,6 @@ impl<'a> Scene<'a> {
     pub(crate) fn ratio(self, method: &str, wanted: &str) -> Option<f64> {
         Some(self.row(method, wanted)?.ratio)
     }
-
-    /// The ratio of the fastest of some methods.
-    pub(crate) fn best(self, methods: &[&str], wanted: &str) -> Option<f64> {
-        let ratios = methods.iter().filter_map(|method| self.ratio(method, wanted));
-        ratios.min_by(f64::total_cmp)
-    }
 }
 
 #[cfg(test)]
@@ -164,8 +158,7 @@ pub(crate) mod tests {
         assert_eq!(dolphins.wanted(), [ALL, FIRST]);
         assert_eq!(dolphins.asked(FIRST).count(), 3);
         assert_eq!(dolphins.ratio("hybrid", ALL), Some(3.0));
-        assert_eq!(dolphins.best(&["hybrid", "bottom-up", "paper"], FIRST), Some(1.5));
-        assert_eq!(dolphins.best(&["paper"], ALL), None);
+        assert_eq!(dolphins.ratio("paper", ALL), None);
         assert!(scene(&rows, "horses").is_none());
     }
 

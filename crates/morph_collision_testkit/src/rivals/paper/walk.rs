@@ -12,7 +12,7 @@ use super::volume::Volume;
 use crate::rivals::blended::WeldedMesh;
 use crate::rivals::boxes::Box3;
 use crate::rivals::frames::{Side, world_bounds};
-use crate::rivals::{Method, PoseError, Wanted};
+use crate::rivals::{Method, PoseError, Wanted, push};
 
 /// The bodies of the paper's method.
 #[derive(Debug)]
@@ -120,7 +120,7 @@ impl<V: Volume> Method for Paper<V> {
 
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {
         let start = pairs.len();
-        self.walk(a, b, |pair| wanted.push(pairs, start, pair));
+        self.walk(a, b, |pair| push(wanted, pairs, start, pair));
     }
 
     fn work(&self) -> QueryStats {

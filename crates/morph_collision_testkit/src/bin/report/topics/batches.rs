@@ -45,11 +45,6 @@ impl Run {
         }
         let mut overlaps = Vec::new();
         overlapping_pairs(&bounds, &mut overlaps);
-        let wanted = match wanted {
-            Wanted::All => morph_collision::batch::Wanted::All,
-            Wanted::First => morph_collision::batch::Wanted::First,
-            Wanted::UpTo(limit) => morph_collision::batch::Wanted::UpTo(limit),
-        };
         let task = |&(a, b): &(u32, u32)| PairTask::new(a as usize, b as usize, wanted);
         let mut tasks: Vec<_> = overlaps.iter().map(task).collect();
         let mut bodies: Vec<_> = self

@@ -29,7 +29,7 @@ const PAGE: Page = Page {
         \n\
         - Most rivals place all vertices, refit, and cast. They pay for that once, however many rays there are. Ours blends the boxes that each ray is\n  \
           the first to visit.\n\
-        - `joint-boxes` and `joint-union` fit boxes to the posed vertices only where a ray visits.\n\
+        - `joint-boxes` fits boxes to the posed vertices only where a ray visits.\n\
         - Rivals test triangles in `f64` without a guarantee at edges; our test is exact.\n\
         - `morph-eager` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n",
     command: "just report --only rays",

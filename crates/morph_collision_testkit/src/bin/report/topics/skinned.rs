@@ -29,8 +29,8 @@ const PAGE: Page = Page {
         pair.\n\
         \n\
         - `bottom-up`, `hybrid` and Parry's place every vertex by its joints in every frame, and then refit.\n\
-        - `joint-boxes` and `joint-union` (boxes per joint) have a tree over the mesh at rest, whose nodes know which joints move them. Only where a\n  \
-          query visits, they compute boxes from a box per joint, and skin vertices.\n\
+        - `joint-boxes` (boxes per joint) has a tree over the mesh at rest, whose nodes know which joints move them. Only where a query visits, it\n  \
+          computes boxes from a box per joint, and skins vertices.\n\
         - Two costs remain in ours: the bounds of a character whose joints have all moved, because dozens of joints meet in the root's children, and\n  \
           boxes that are looser than fitted ones because they hold for all weights of joints ([skinning.md](../skinning.md)).\n",
     command: "just report --only skinned",

@@ -10,16 +10,16 @@ use crate::modules::{ModulePath, Modules, is_for_tests, leaves};
 
 /// A use of something that another module defines.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Import {
-    pub user: ModulePath,
-    pub used: ModulePath,
+pub(crate) struct Import {
+    pub(crate) user: ModulePath,
+    pub(crate) used: ModulePath,
     /// As it is written.
-    pub path: String,
+    pub(crate) path: String,
 }
 
 /// All uses between modules of a crate, without those in tests and documentation. A re-export is a use only if its module needs the
 /// name itself.
-pub fn all(modules: &Modules) -> Vec<Import> {
+pub(crate) fn all(modules: &Modules) -> Vec<Import> {
     let mut imports = BTreeSet::new();
     for (user, module) in &modules.all {
         let mut written = Written::default();

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use syn::{Attribute, Item, UseTree};
 
 /// Where a module is in its crate, from the root; empty for the root.
-pub type ModulePath = Vec<String>;
+pub(crate) type ModulePath = Vec<String>;
 
 /// A module with a file of its own, or a module within another one's file.
-pub struct Module {
-    pub file: PathBuf,
-    pub items: Vec<Item>,
+pub(crate) struct Module {
+    pub(crate) file: PathBuf,
+    pub(crate) items: Vec<Item>,
     /// Names that a `use` brings into the module, with the paths that they stand for.
     names: BTreeMap<String, Vec<String>>,
     /// Modules all of whose names are brought into this one.
@@ -20,14 +20,14 @@ pub struct Module {
 }
 
 /// The modules of a crate, without those for tests.
-pub struct Modules {
+pub(crate) struct Modules {
     folder: PathBuf,
-    pub all: BTreeMap<ModulePath, Module>,
+    pub(crate) all: BTreeMap<ModulePath, Module>,
 }
 
 impl Modules {
     /// Reads a crate from its `lib.rs`.
-    pub fn read(lib: &Path) -> Self {
+    pub(crate) fn read(lib: &Path) -> Self {
         let folder = lib.parent().unwrap().to_owned();
         let mut modules = Self {
             folder: folder.clone(),
@@ -38,18 +38,18 @@ impl Modules {
     }
 
     /// The documentation of the crate.
-    pub fn root_docs(&self) -> &str {
+    pub(crate) fn root_docs(&self) -> &str {
         &self.all[&Vec::new()].docs
     }
 
     /// A file's name within the crate's source.
-    pub fn file(&self, module: &ModulePath) -> String {
+    pub(crate) fn file(&self, module: &ModulePath) -> String {
         let file = &self.all[module].file;
         file.strip_prefix(&self.folder).unwrap().display().to_string()
     }
 
     /// The modules directly below the root.
-    pub fn top(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn top(&self) -> impl Iterator<Item = &str> {
         self.all
             .keys()
             .filter(|path| path.len() == 1)
@@ -57,7 +57,7 @@ impl Modules {
     }
 
     /// The module that defines what a path names, through re-exports; `None` if it is not in this crate.
-    pub fn definition(&self, from: &ModulePath, path: &[String]) -> Option<ModulePath> {
+    pub(crate) fn definition(&self, from: &ModulePath, path: &[String]) -> Option<ModulePath> {
         self.resolve(from, path, &mut BTreeSet::new())
     }
 
@@ -164,7 +164,7 @@ impl Modules {
 }
 
 /// The paths of a `use`, each with the name that it brings; `None` for a glob.
-pub fn leaves(tree: &UseTree) -> Vec<(Vec<String>, Option<String>)> {
+pub(crate) fn leaves(tree: &UseTree) -> Vec<(Vec<String>, Option<String>)> {
     match tree {
         UseTree::Path(path) => {
             let first = path.ident.to_string();
@@ -201,7 +201,7 @@ fn defined(item: &Item) -> Option<String> {
     })
 }
 
-pub fn is_for_tests(attrs: &[Attribute]) -> bool {
+pub(crate) fn is_for_tests(attrs: &[Attribute]) -> bool {
     attrs.iter().any(|attr| {
         let syn::Meta::List(list) = &attr.meta else {
             return false;

@@ -6,11 +6,11 @@ use crate::imports::Import;
 use crate::modules::{ModulePath, Modules};
 
 /// The modules of a crate, from those that use others to those that others use.
-pub struct Order(BTreeMap<String, usize>);
+pub(crate) struct Order(BTreeMap<String, usize>);
 
 impl Order {
     /// Reads the order from a crate's documentation.
-    pub fn of(docs: &str) -> Result<Self, String> {
+    pub(crate) fn of(docs: &str) -> Result<Self, String> {
         let section = docs.split("# Order of the folders").nth(1);
         let section = section.ok_or("its lib.rs has no section `# Order of the folders`")?;
         let block = section.split("```").nth(1).and_then(|block| block.strip_prefix("text"));
@@ -27,7 +27,7 @@ impl Order {
     }
 
     /// What is against the order: modules that it lacks or that do not exist, and imports.
-    pub fn check(&self, of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
+    pub(crate) fn check(&self, of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
         let mut wrong = Vec::new();
         let top: BTreeSet<&str> = modules.top().collect();
         let missing = top.iter().filter(|name| !self.0.contains_key(**name));
@@ -48,7 +48,7 @@ impl Order {
 }
 
 /// Circles among the folders directly below each folder of a crate.
-pub fn circles_of_folders(of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
+pub(crate) fn circles_of_folders(of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
     let is_folder = |path: &ModulePath| {
         modules
             .all
@@ -87,7 +87,7 @@ pub fn circles_of_folders(of: &str, modules: &Modules, imports: &[Import]) -> Ve
 }
 
 /// Circles among the files of a crate.
-pub fn circles_of_files(of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
+pub(crate) fn circles_of_files(of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
     let mut graph: Graph = BTreeMap::new();
     for Import { user, used, .. } in imports {
         let (a, b) = (modules.file(user), modules.file(used));

@@ -22,7 +22,7 @@ use crate::posing::{BindPoses, LentPoses, Skeletons, take_weights};
 pub(super) struct HadDynamicBounds;
 
 /// A mesh and the components that determine how it is drawn.
-type Shows = (
+type DrawnMesh = (
     Entity,
     &'static Mesh3d,
     Option<&'static MeshMorphWeights>,
@@ -34,7 +34,7 @@ type Shows = (
 
 /// Poses of meshes as drawn now.
 #[derive(SystemParam)]
-pub(super) struct Drawn<'w, 's> {
+pub(super) struct DrawnMeshes<'w, 's> {
     shared: Query<'w, 's, &'static MorphWeights>,
     globals: Query<'w, 's, &'static GlobalTransform>,
     trees: Res<'w, MorphTrees>,
@@ -43,25 +43,24 @@ pub(super) struct Drawn<'w, 's> {
     skeletons: Local<'s, Skeletons>,
     rest: Local<'s, Vec<f32>>,
     /// For skinned meshes, the input of their last box: all entities of a mesh share one pose, so the pose does not keep it.
-    made_for: Local<'s, EntityHashMap<MadeFor>>,
+    cached: Local<'s, EntityHashMap<CachedBounds>>,
 }
 
 /// The box of a skinned mesh, and the input from which it was computed.
-pub(super) struct MadeFor {
+pub(super) struct CachedBounds {
     joints: JointMatrices,
     weights: Vec<f32>,
     tree: Arc<MorphBvh>,
-    place: GlobalTransform,
+    world_from_entity: GlobalTransform,
     aabb: Aabb,
     is_used: bool,
 }
 
-impl Drawn<'_, '_> {
+impl DrawnMeshes<'_, '_> {
     fn begin(&mut self) {
         self.poses.drop_unused();
         self.skeletons.begin();
-        self.made_for
-            .retain(|_, made_for| std::mem::take(&mut made_for.is_used));
+        self.cached.retain(|_, cached| std::mem::take(&mut cached.is_used));
     }
 
     /// A box around a mesh in the space of its entity. `None` if it is not known what is drawn.
@@ -71,7 +70,7 @@ impl Drawn<'_, '_> {
         key: TreeKey,
         weights: Option<&MeshMorphWeights>,
         skin: Option<&SkinnedMesh>,
-        place: &GlobalTransform,
+        world_from_entity: &GlobalTransform,
     ) -> Option<Aabb> {
         let tree = self.trees.up_to_date(key)?;
         let pose = self.poses.lend(key, tree);
@@ -88,58 +87,62 @@ impl Drawn<'_, '_> {
             return None;
         }
         let joints = skeleton.matrices()?;
-        if let Some(made_for) = self.made_for.get_mut(&entity) {
-            made_for.is_used = true;
-            if made_for.is_same(pose, joints, place) {
-                return Some(made_for.aabb);
+        if let Some(cached) = self.cached.get_mut(&entity) {
+            cached.is_used = true;
+            if cached.is_same(pose, joints, world_from_entity) {
+                return Some(cached.aabb);
             }
         }
         pose.set_joints(joints).ok()?;
-        let aabb = match WorldFromModel::new(place.affine()) {
-            Ok(world_from_entity) => around_in(&pose.local_bounds(&world_from_entity), place),
+        let aabb = match WorldFromModel::new(world_from_entity.affine()) {
+            Ok(affine) => around_in(&pose.local_bounds(&affine), world_from_entity),
             Err(_) => UNBOUNDED,
         };
-        match self.made_for.get_mut(&entity) {
-            Some(made_for) => made_for.set(pose, joints, place, aabb),
-            None => _ = self.made_for.insert(entity, MadeFor::new(pose, joints, place, aabb)),
+        match self.cached.get_mut(&entity) {
+            Some(cached) => cached.set(pose, joints, world_from_entity, aabb),
+            None => {
+                _ = self
+                    .cached
+                    .insert(entity, CachedBounds::new(pose, joints, world_from_entity, aabb))
+            }
         }
         Some(aabb)
     }
 }
 
-impl MadeFor {
-    fn new(pose: &Pose, joints: &JointMatrices, place: &GlobalTransform, aabb: Aabb) -> Self {
+impl CachedBounds {
+    fn new(pose: &Pose, joints: &JointMatrices, world_from_entity: &GlobalTransform, aabb: Aabb) -> Self {
         Self {
             joints: joints.clone(),
             weights: pose.weights().to_vec(),
             tree: pose.bvh().clone(),
-            place: *place,
+            world_from_entity: *world_from_entity,
             aabb,
             is_used: true,
         }
     }
 
-    /// Like [`MadeFor::new`], with the memory that is there.
-    fn set(&mut self, pose: &Pose, joints: &JointMatrices, place: &GlobalTransform, aabb: Aabb) {
+    /// Like [`CachedBounds::new`], with the memory that is there.
+    fn set(&mut self, pose: &Pose, joints: &JointMatrices, world_from_entity: &GlobalTransform, aabb: Aabb) {
         self.joints.clone_from(joints);
         pose.weights().clone_into(&mut self.weights);
         self.tree.clone_from(pose.bvh());
-        self.place = *place;
+        self.world_from_entity = *world_from_entity;
         self.aabb = aabb;
     }
 
-    fn is_same(&self, pose: &Pose, joints: &JointMatrices, place: &GlobalTransform) -> bool {
+    fn is_same(&self, pose: &Pose, joints: &JointMatrices, world_from_entity: &GlobalTransform) -> bool {
         Arc::ptr_eq(&self.tree, pose.bvh())
-            && self.place == *place
+            && self.world_from_entity == *world_from_entity
             && self.weights == pose.weights()
             && self.joints == *joints
     }
 }
 
 /// Updates the boxes of deforming meshes so that they contain what is drawn.
-pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, mut commands: Commands) {
+pub(super) fn update_bounds(mut meshes: Query<DrawnMesh, Culled>, mut drawn: DrawnMeshes, mut commands: Commands) {
     drawn.begin();
-    for (entity, mesh, weights, skin, place, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes {
+    for (entity, mesh, weights, skin, world_from_entity, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes {
         let key = TreeKey::of(mesh, None, skin);
         if drawn.trees.up_to_date(key).is_none() {
             if had_dynamic {
@@ -148,7 +151,7 @@ pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, 
             continue;
         }
         // Otherwise the box stays the same.
-        let Some(wanted) = drawn.bounds(entity, key, weights, skin, place) else {
+        let Some(wanted) = drawn.bounds(entity, key, weights, skin, world_from_entity) else {
             continue;
         };
         if *aabb != wanted {

@@ -85,17 +85,17 @@ pub(crate) fn find_candidates(
         }
         let reposed = participant.state.freshness.bounds_are_old() && participant.state.pose.is_some();
         diagnostics.stats.nodes_blended += u64::from(reposed);
-        let place = participant.place(was_absent);
+        let placement = participant.place(was_absent);
         let state = &mut *participant.state;
-        let bad_place = place.is_err();
-        let placed = place.unwrap_or_else(|error| {
-            if !state.bad_place {
+        let bad_placement = placement.is_err();
+        let placed = placement.unwrap_or_else(|error| {
+            if !state.bad_placement {
                 let name = names.with_file(participant.entity);
                 error!("entity {name} is left out of collisions: {error}");
             }
             None
         });
-        state.bad_place = bad_place;
+        state.bad_placement = bad_placement;
         if was_absent || placed != state.placed {
             any_moved = true;
             state.freshness.placement_changed();
@@ -166,7 +166,7 @@ impl ParticipantItem<'_, '_> {
     }
 
     /// The collider's current placement; `None` if it takes no part.
-    fn place(&mut self, was_absent: bool) -> Result<Option<Placement>, BadPlace> {
+    fn place(&mut self, was_absent: bool) -> Result<Option<Placement>, BadPlacement> {
         if self.is_disabled {
             return Ok(None);
         }
@@ -183,7 +183,7 @@ impl ParticipantItem<'_, '_> {
         let (form, bounds) = match (before, &self.shape, state.pose.as_mut().map(LockedPose::get_mut)) {
             (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
             (_, Some(shape), _) => {
-                let (shape, bounds) = shape.place(&self.transform).map_err(BadPlace::Shape)?;
+                let (shape, bounds) = shape.place(&self.transform).map_err(BadPlacement::Shape)?;
                 (Form::Shape(shape), bounds)
             }
             (_, None, Some(pose)) if pose.joints().is_some() => {
@@ -191,22 +191,22 @@ impl ParticipantItem<'_, '_> {
                     return Ok(None);
                 }
                 // Its joints place it.
-                let place = WorldFromModel::IDENTITY;
-                (Form::Mesh(place), pose.broad_phase_bounds(&place))
+                let world_from_model = WorldFromModel::IDENTITY;
+                (Form::Mesh(world_from_model), pose.broad_phase_bounds(&world_from_model))
             }
             (_, None, Some(pose)) => {
-                let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlace::Transform)?;
+                let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlacement::Transform)?;
                 (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
             }
             (_, None, None) => return Ok(None),
         };
         let margin = self.collider.margin;
         if !(0.0..1e30).contains(&margin) {
-            return Err(BadPlace::Margin(margin));
+            return Err(BadPlacement::Margin(margin));
         }
         let tolerance = self.collider.tolerance;
         if !(0.0..1e30).contains(&tolerance) {
-            return Err(BadPlace::Tolerance(tolerance));
+            return Err(BadPlacement::Tolerance(tolerance));
         }
         // A pose keeps its root box as long as its weights and joints stay the same.
         state.freshness.bounds_computed();
@@ -225,7 +225,7 @@ impl ParticipantItem<'_, '_> {
 
 /// Why a collider has no placement.
 #[derive(Debug, thiserror::Error)]
-enum BadPlace {
+enum BadPlacement {
     #[error(transparent)]
     Transform(InputError),
     #[error("its shape: {0}")]
@@ -273,8 +273,8 @@ impl Candidates {
         self.indices.clone_from(&self.order);
         self.order.sort_unstable();
         self.colliders.clear();
-        for (&(entity, place), index) in self.order.iter().zip(0..) {
-            self.indices[place as usize].1 = index;
+        for (&(entity, order), index) in self.order.iter().zip(0..) {
+            self.indices[order as usize].1 = index;
             let participant = colliders.get(entity).ok();
             let placed = participant.and_then(|participant| participant.state.seen_as().copied());
             self.colliders.extend(placed.map(|placed| (entity, placed)));

@@ -36,8 +36,8 @@ impl SweptPairs {
 
     /// How collisions saw a collider in the last run; `None` if it took no part.
     pub(crate) fn before(&self, collider: Entity) -> Option<&Placement> {
-        let place = self.before.binary_search_by_key(&collider, |&(entity, _)| entity);
-        place.ok().map(|place| &self.before[place].1)
+        let index = self.before.binary_search_by_key(&collider, |&(entity, _)| entity);
+        index.ok().map(|index| &self.before[index].1)
     }
 
     /// Finds the pairs among the colliders of this run, which are in ascending order. Shapes, and colliders that took no part in the

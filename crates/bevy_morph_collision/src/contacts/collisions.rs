@@ -131,8 +131,8 @@ impl MorphCollisions {
     /// A contact that lasts, or that began and ended in the last run.
     pub(crate) fn in_run(&self, pair: (Entity, Entity)) -> Option<&MorphContact> {
         let passed = self.changes.passed_in_run();
-        let place = || passed.binary_search_by_key(&pair, MorphContact::pair).ok();
-        self.current.get(&pair).or_else(|| passed.get(place()?))
+        let index = || passed.binary_search_by_key(&pair, MorphContact::pair).ok();
+        self.current.get(&pair).or_else(|| passed.get(index()?))
     }
 
     /// Begins a run, in which nothing has started or ended yet.

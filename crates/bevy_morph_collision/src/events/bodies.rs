@@ -122,9 +122,9 @@ pub(crate) fn report_body_changes(
     if !ended.is_empty() || !started.is_empty() {
         // One command: without observers, this is the only cost.
         commands.queue(move |world: &mut World| {
-            tell(world, ended);
-            tell(world, started);
-            tell(world, passed);
+            trigger_all(world, ended);
+            trigger_all(world, started);
+            trigger_all(world, passed);
         });
     }
     diagnostics.duration += start.elapsed();
@@ -146,7 +146,7 @@ impl MorphBodyCollisionStart {
 }
 
 /// Triggers events whose targets exist, if anybody observes events of this kind.
-fn tell<'a, E: EntityEvent<Trigger<'a>: Default>>(world: &mut World, events: Vec<E>) {
+fn trigger_all<'a, E: EntityEvent<Trigger<'a>: Default>>(world: &mut World, events: Vec<E>) {
     let kind = world.event_key::<E>();
     if kind.is_none_or(|kind| world.observers().try_get_observers(kind).is_none()) {
         return;

@@ -44,12 +44,12 @@ fn mesh_of(primitive: &str) -> &str {
 
 /// The last message about each mesh, so that none is repeated for every entity or every try.
 #[derive(Resource, Default)]
-pub(crate) struct Said(Mutex<HashMap<AssetId<Mesh>, String>>);
+pub(crate) struct LoggedErrors(Mutex<HashMap<AssetId<Mesh>, String>>);
 
-impl Said {
+impl LoggedErrors {
     fn is_new(&self, id: AssetId<Mesh>, message: String) -> bool {
-        let mut said = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        said.insert(id, message.clone()) != Some(message)
+        let mut logged = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        logged.insert(id, message.clone()) != Some(message)
     }
 
     fn forget(&self, id: AssetId<Mesh>) {
@@ -63,7 +63,7 @@ pub(crate) struct Complaints<'w, 's> {
     pub(super) names: Names<'w, 's>,
     colliders: Query<'w, 's, (Entity, &'static Mesh3d), ShowsMesh>,
     further: Res<'w, FurtherInfluences>,
-    said: Res<'w, Said>,
+    logged: Res<'w, LoggedErrors>,
 }
 
 impl Complaints<'_, '_> {
@@ -75,7 +75,7 @@ impl Complaints<'_, '_> {
         has_last_good_tree: bool,
         error: &ImportError,
     ) {
-        if !self.said.is_new(id, error.to_string()) {
+        if !self.logged.is_new(id, error.to_string()) {
             return;
         }
         let collider = self.collider(id, asked_by);
@@ -104,7 +104,7 @@ impl Complaints<'_, '_> {
             reason,
         } = left_out;
         let told = format!("{triangles} of its {of_triangles} triangles are left out: {reason}");
-        if self.said.is_new(id, told.clone()) {
+        if self.logged.is_new(id, told.clone()) {
             let (mesh, entity) = (self.mesh(id), self.names.entity(asked_by));
             warn!("{mesh} of entity `{entity}` has bad triangles; {told}");
         }
@@ -130,7 +130,7 @@ impl Complaints<'_, '_> {
 
     /// A mesh is usable again or gone: what was said about it may be said again.
     pub(super) fn forget(&self, id: AssetId<Mesh>) {
-        self.said.forget(id);
+        self.logged.forget(id);
     }
 
     /// A collider that shows a mesh: the entity that requested its tree, unless that only needs culling.

@@ -19,7 +19,7 @@ mod trees;
 mod triangles;
 mod turns;
 
-pub(crate) use complaints::{FurtherInfluences, Said};
+pub(crate) use complaints::{FurtherInfluences, LoggedErrors};
 pub(crate) use decode::uv_of;
 pub use error::ImportError;
 #[cfg(feature = "gltf")]

@@ -8,7 +8,7 @@ use crate::app::WarnOnce;
 use crate::surface::MorphSurfaceAnchor;
 
 /// Looks at what the anchor of an entity follows.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
+pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let Some(anchor) = subject.anchor else {
         return Verdict::Done;
     };

@@ -5,7 +5,7 @@ use super::verdict::Verdict;
 use crate::app::WarnOnce;
 
 /// Looks at the components of an entity that should be a body, or have one.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
+pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let entity = subject.entity;
     let is_body = subject.collider.is_some() || subject.parts || subject.scene.is_some();
     if subject.teleported && is_new && !is_body {

@@ -6,7 +6,7 @@ use super::verdict::Verdict;
 use crate::app::WarnOnce;
 
 /// Looks at the collider of an entity, or at what should have one.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
+pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     if subject.collider.is_none() {
         return without_collider(subject, around, is_new, log);
     }

@@ -12,21 +12,21 @@ pub(super) fn any_suspects(suspects: Res<Suspects>) -> bool {
 }
 
 /// Looks at the entities that are new or due, and warns of mistakes.
-pub(super) fn look_at_suspects(mut suspects: ResMut<Suspects>, around: Around, time: Option<Res<Time<Real>>>) {
+pub(super) fn check_suspects(mut suspects: ResMut<Suspects>, around: Around, time: Option<Res<Time<Real>>>) {
     let frame = time.map_or(FRAME, |time| time.delta());
     for (entity, is_new) in suspects.take(frame) {
         let Ok(subject) = around.subjects.get(entity) else {
             continue;
         };
         let log = suspects.log();
-        let looks = [
-            physics::look(&subject, &around, log),
-            colliders::look(&subject, &around, is_new, log),
-            bodies::look(&subject, &around, is_new, log),
-            scenes::look(&subject, &around, is_new, log),
-            anchors::look(&subject, &around, is_new, log),
+        let verdicts = [
+            physics::check(&subject, &around, log),
+            colliders::check(&subject, &around, is_new, log),
+            bodies::check(&subject, &around, is_new, log),
+            scenes::check(&subject, &around, is_new, log),
+            anchors::check(&subject, &around, is_new, log),
         ];
-        if looks.contains(&Verdict::Again) {
+        if verdicts.contains(&Verdict::Again) {
             suspects.note_for_later(entity);
         }
     }

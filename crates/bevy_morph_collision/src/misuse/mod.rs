@@ -66,7 +66,7 @@ pub(crate) fn add(app: &mut App) {
     app.add_systems(
         PostUpdate,
         (
-            look::look_at_suspects.run_if(look::any_suspects),
+            look::check_suspects.run_if(look::any_suspects),
             meshes::warn_of_missing_meshes.run_if(meshes::any_is_missing),
             meshes::warn_of_joint_weights.run_if(meshes::trees_changed),
         )

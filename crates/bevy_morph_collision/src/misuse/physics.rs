@@ -37,7 +37,7 @@ pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'stat
 
 /// Warns of components for a physics engine that the app, or this crate's plugin for it, lacks.
 #[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
-pub(super) fn look(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -> Verdict {
+pub(super) fn check(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -> Verdict {
     #[cfg(feature = "rapier")]
     if let Some(plugin) = around.rapier.plugin() {
         let components = ["MorphRapierCollider", "MorphRapierScene"];

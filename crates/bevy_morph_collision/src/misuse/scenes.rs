@@ -20,7 +20,7 @@ struct Part<'a> {
 }
 
 /// Looks at the scene of an entity, once its meshes are there.
-pub(super) fn look(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
+pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let Some(scene) = subject.scene else {
         return Verdict::Done;
     };

@@ -6,11 +6,10 @@ use std::sync::{Mutex, PoisonError};
 use morph_collision::QueryStats;
 use morph_collision::batch::Workers;
 
-use super::comparison::{Answer, Asked, Job, Pair};
-use super::motion::{SHARED_STEPS, STEPS_PER_PAIR, Way};
-use super::participant::Placed;
-use super::starts::Starts;
-use super::touch::Touch;
+use super::comparison::{Comparison, Job, Outcome, Pair};
+use super::contact_queries::ContactQueries;
+use super::motion::{SHARED_STEPS, STEPS_PER_PAIR, SweptResult};
+use super::starts::RunView;
 use crate::contacts::MorphContact;
 
 /// With fewer costly contacts than this, all are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not
@@ -21,24 +20,22 @@ const MIN_COSTLY: usize = 16;
 #[derive(Default)]
 pub(super) struct Builders {
     builders: Vec<Mutex<Builder>>,
-    /// The time since the last run; 0 if it is not known.
-    pub(super) seconds: f64,
 }
 
 #[derive(Default)]
 struct Builder {
-    touch: Touch,
+    queries: ContactQueries,
     stats: QueryStats,
     swept: QueryStats,
-    answers: Vec<(Pair, Answer)>,
+    outcomes: Vec<(Pair, Outcome)>,
     postponed: Vec<Postponed>,
 }
 
-/// A pair that needs more work than each pair may take, to find out how its contact began. `way` is what was found out so far.
+/// A pair that needs more work than each pair may take, to find out how its contact began. `swept` is what was found out so far.
 struct Postponed {
-    asked: Asked,
+    comparison: Comparison,
     contact: Option<MorphContact>,
-    way: Way,
+    swept: SweptResult,
 }
 
 /// The work of a run.
@@ -52,21 +49,20 @@ pub(super) struct Work {
 }
 
 impl Builders {
-    /// Builds the contacts of all jobs and appends the answers, in any order. Returns the work done.
+    /// Builds the contacts of all jobs and appends the outcomes, in any order. Returns the work done.
     ///
     /// Threads take all successive jobs with the same first collider at once, so they rarely wait for each other's poses. The contacts of
     /// one mesh with many others are built one after the other, because each of them uses its pose.
     pub(super) fn run(
         &mut self,
         workers: &impl Workers,
-        (placed, starts): (&[Placed<'_>], &Starts),
+        view: RunView<'_>,
         jobs: &mut [Job],
-        limit: usize,
-        answers: &mut Vec<(Pair, Answer)>,
+        outcomes: &mut Vec<(Pair, Outcome)>,
     ) -> Work {
         let costly = jobs.iter().filter(|job| job.is_costly()).count();
         let blocks: Vec<Mutex<&mut [Job]>> = jobs
-            .chunk_by_mut(|one, other| one.asked.places.0 == other.asked.places.0)
+            .chunk_by_mut(|one, other| one.comparison.indices.0 == other.comparison.indices.0)
             .map(Mutex::new)
             .collect();
         let threads = if costly < MIN_COSTLY || blocks.len() < 2 {
@@ -81,15 +77,15 @@ impl Builders {
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             builder.stats = QueryStats::default();
             builder.swept = QueryStats::default();
-            builder.answers.clear();
+            builder.outcomes.clear();
             builder.postponed.clear();
         }
-        let (builders, seconds, next) = (&self.builders, self.seconds, AtomicUsize::new(0));
+        let (builders, next) = (&self.builders, AtomicUsize::new(0));
         let work = |thread: usize| {
             let mut builder = builders[thread].lock().unwrap_or_else(PoisonError::into_inner);
             while let Some(block) = blocks.get(next.fetch_add(1, Ordering::Relaxed)) {
                 for job in &mut **block.lock().unwrap_or_else(PoisonError::into_inner) {
-                    builder.build((placed, starts), job, limit, seconds);
+                    builder.build(view, job);
                 }
             }
         };
@@ -103,10 +99,10 @@ impl Builders {
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             work.stats += std::mem::take(&mut builder.stats);
             work.swept += std::mem::take(&mut builder.swept);
-            answers.append(&mut builder.answers);
+            outcomes.append(&mut builder.outcomes);
             postponed.append(&mut builder.postponed);
         }
-        self.decide((placed, starts), postponed, answers, &mut work);
+        self.decide(view, postponed, outcomes, &mut work);
         work.stats += work.swept;
         work
     }
@@ -114,66 +110,67 @@ impl Builders {
     /// Looks at postponed pairs again. They share a limit of work, whatever the number of threads.
     fn decide(
         &mut self,
-        of_bodies: (&[Placed<'_>], &Starts),
+        view: RunView<'_>,
         mut postponed: Vec<Postponed>,
-        answers: &mut Vec<(Pair, Answer)>,
+        outcomes: &mut Vec<(Pair, Outcome)>,
         work: &mut Work,
     ) {
         let Some(builder) = self.builders.first_mut() else {
             return;
         };
-        let touch = &mut builder.get_mut().unwrap_or_else(PoisonError::into_inner).touch;
-        postponed.sort_unstable_by_key(|postponed| postponed.asked.pair);
+        let queries = &mut builder.get_mut().unwrap_or_else(PoisonError::into_inner).queries;
+        postponed.sort_unstable_by_key(|postponed| postponed.comparison.pair);
         let (mut left, mut pairs) = (SHARED_STEPS, postponed.len() as u64);
         for Postponed {
-            asked,
+            comparison,
             contact,
-            mut way,
+            mut swept,
         } in postponed
         {
             let share = left / pairs;
             pairs -= 1;
             if share > STEPS_PER_PAIR {
-                way = touch.way(of_bodies, asked, self.seconds, share, &mut work.swept);
-                left = left.saturating_sub(touch.motion.steps());
+                swept = queries.swept(view, comparison, share, &mut work.swept);
+                left = left.saturating_sub(queries.motion.steps());
             }
-            work.limited_pairs += u64::from(matches!(way, Way::Undecided(_)));
-            answers.push((asked.pair, Answer::new(of_bodies.0, asked, contact, way)));
+            work.limited_pairs += u64::from(matches!(swept, SweptResult::Undecided(_)));
+            outcomes.push((comparison.pair, Outcome::new(view, comparison, contact, swept)));
         }
     }
 }
 
-impl Answer {
-    fn new(placed: &[Placed<'_>], asked: Asked, contact: Option<MorphContact>, way: Way) -> Self {
-        let impact = match way {
-            Way::Apart => None,
-            Way::Touching(impact) | Way::Undecided(impact) => Some(impact),
+impl Outcome {
+    fn new(view: RunView<'_>, comparison: Comparison, contact: Option<MorphContact>, swept: SweptResult) -> Self {
+        let impact = match swept {
+            SweptResult::Apart => None,
+            SweptResult::Touching(impact) | SweptResult::Undecided(impact) => Some(impact),
         };
         match (contact, impact) {
             (Some(contact), impact) => Self::Touching(MorphContact { impact, ..contact }),
-            (None, Some(impact)) => Self::Passed(MorphContact::passed(asked, placed, impact)),
+            (None, Some(impact)) => Self::Passed(MorphContact::passed(comparison, view.pair(comparison), impact)),
             (None, None) => Self::Apart,
         }
     }
 }
 
 impl Builder {
-    fn build(&mut self, (placed, starts): (&[Placed<'_>], &Starts), job: &mut Job, limit: usize, seconds: f64) {
-        let Job { asked, found } = job;
-        let contact = self.touch.contact(placed, *asked, found, limit, &mut self.stats);
-        let way = if asked.is_swept {
-            let of_bodies = (placed, starts);
-            self.touch
-                .way(of_bodies, *asked, seconds, STEPS_PER_PAIR, &mut self.swept)
+    fn build(&mut self, view: RunView<'_>, job: &mut Job) {
+        let (comparison, queries) = (job.comparison, &mut self.queries);
+        let contact = queries.contact(view, comparison, &mut job.known, &mut self.stats);
+        let swept = if comparison.is_swept {
+            queries.swept(view, comparison, STEPS_PER_PAIR, &mut self.swept)
         } else {
-            Way::Apart
+            SweptResult::Apart
         };
-        let asked = *asked;
-        if let Way::Undecided(_) = way {
-            self.postponed.push(Postponed { asked, contact, way });
+        if let SweptResult::Undecided(_) = swept {
+            self.postponed.push(Postponed {
+                comparison,
+                contact,
+                swept,
+            });
         } else {
-            self.answers
-                .push((asked.pair, Answer::new(placed, asked, contact, way)));
+            let outcome = Outcome::new(view, comparison, contact, swept);
+            self.outcomes.push((comparison.pair, outcome));
         }
     }
 }
@@ -189,7 +186,7 @@ mod tests {
         BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, PoseSnapshot, TrianglePair, WorldFromModel,
     };
 
-    use super::super::comparison::Found;
+    use super::super::comparison::BatchResult;
     use super::*;
     use crate::broad_phase::SweptPairs;
     use crate::components::MorphCollisionMode;
@@ -233,7 +230,7 @@ mod tests {
         (placements, poses)
     }
 
-    fn contacts(workers: &impl Workers) -> (Vec<(Pair, Answer)>, QueryStats) {
+    fn contacts(workers: &impl Workers) -> (Vec<(Pair, Outcome)>, QueryStats) {
         let (placements, mut poses) = row(30, |_| Vec3::ZERO);
         let mut before = vec![PoseSnapshot::default(); placements.len()];
         for (before, pose) in before.iter_mut().zip(&mut poses) {
@@ -241,10 +238,10 @@ mod tests {
                 before.take(pose.get_mut());
             }
         }
-        let placed: Vec<Placed> = placements
+        let placed: Vec<PlacedCollider> = placements
             .iter()
             .zip(poses.iter_mut().zip(&before))
-            .map(|(placement, (pose, before))| Placed {
+            .map(|(placement, (pose, before))| PlacedCollider {
                 entity: placement.body,
                 changed: true,
                 placement,
@@ -260,10 +257,10 @@ mod tests {
                 morph_collision::triangles_intersect(&triangle(a, x), &triangle(b, y))
             };
             let all = (0..4).flat_map(|x| (0..4).map(move |y| (x, y)));
-            let found = if has_shape {
-                Found::Unknown
+            let known = if has_shape {
+                BatchResult::NotAsked
             } else {
-                Found::Triangles {
+                BatchResult::Triangles {
                     triangles: all
                         .filter(|&(x, y)| meets(x, y))
                         .map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b })
@@ -274,16 +271,16 @@ mod tests {
             if [a, b].iter().all(|&i| placed[i].pose.is_none()) {
                 continue;
             }
-            let asked = Asked {
+            let comparison = Comparison {
                 pair: (placed[a].entity, placed[b].entity),
-                places: (a, b),
+                indices: (a, b),
                 mode: MorphCollisionMode::Contacts,
                 is_swept: !has_shape,
             };
-            jobs.push(Job { asked, found });
+            jobs.push(Job { comparison, known });
         }
         assert!(jobs.len() > 4 * MIN_COSTLY);
-        let mut answers = Vec::new();
+        let mut outcomes = Vec::new();
         // Some come from above, over and through their neighbours.
         let mut swept = SweptPairs::default();
         let was = |i: usize| {
@@ -295,10 +292,16 @@ mod tests {
         swept.remember(&was);
         let mut starts = Starts::default();
         starts.prepare(&jobs, &placed, &swept);
-        let work = Builders::default().run(workers, (&placed, &starts), &mut jobs, usize::MAX, &mut answers);
-        answers.sort_by_key(|(pair, _)| *pair);
-        assert_eq!(answers.len(), jobs.len());
-        (answers, work.stats)
+        let view = RunView {
+            colliders: &placed,
+            starts: &starts,
+            seconds: 0.0,
+            limit: usize::MAX,
+        };
+        let work = Builders::default().run(workers, view, &mut jobs, &mut outcomes);
+        outcomes.sort_by_key(|(pair, _)| *pair);
+        assert_eq!(outcomes.len(), jobs.len());
+        (outcomes, work.stats)
     }
 
     #[test]
@@ -306,14 +309,14 @@ mod tests {
         let (alone, stats) = contacts(&ThreadWorkers::new(1));
         let touching: Vec<_> = alone
             .iter()
-            .filter_map(|(_, answer)| match answer {
-                Answer::Touching(contact) => Some(contact),
+            .filter_map(|(_, outcome)| match outcome {
+                Outcome::Touching(contact) => Some(contact),
                 _ => None,
             })
             .collect();
         assert!(touching.len() > 40 && touching.iter().any(|contact| !contact.points.is_empty()));
         assert!(touching.iter().any(|contact| contact.impact.is_some()));
-        let passed = |(_, answer): &&(Pair, Answer)| matches!(answer, Answer::Passed(_));
+        let passed = |(_, outcome): &&(Pair, Outcome)| matches!(answer, Outcome::Passed(_));
         assert!(alone.iter().filter(passed).count() > 2);
         for threads in [2, 4, 8] {
             let (together, stats_together) = contacts(&ThreadWorkers::new(threads));

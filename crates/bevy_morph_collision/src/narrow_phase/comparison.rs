@@ -10,9 +10,9 @@ pub(super) type Pair = (Entity, Entity);
 
 /// Two colliders, by their index among those that take part.
 #[derive(Clone, Copy)]
-pub(super) struct Asked {
+pub(super) struct Comparison {
     pub(super) pair: Pair,
-    pub(super) places: (usize, usize),
+    pub(super) indices: (usize, usize),
     pub(super) mode: MorphCollisionMode,
     /// Whether to compare them on their way from the last run, too.
     pub(super) is_swept: bool,
@@ -24,9 +24,9 @@ pub(super) fn wants_all(mode: MorphCollisionMode) -> bool {
 }
 
 /// What is known about a pair before its contact is built.
-pub(super) enum Found {
+pub(super) enum BatchResult {
     /// Nothing: one of the colliders is a shape.
-    Unknown,
+    NotAsked,
     /// They are apart now. Only their way is to be compared.
     Apart,
     /// The intersecting triangles of two meshes.
@@ -39,17 +39,17 @@ pub(super) enum Found {
 
 /// A pair for which a contact might have to be built, and what is known about it.
 pub(super) struct Job {
-    pub(super) asked: Asked,
-    pub(super) found: Found,
+    pub(super) comparison: Comparison,
+    pub(super) known: BatchResult,
 }
 
 impl Job {
     /// Whether it takes more than one pair of triangles.
     pub(super) fn is_costly(&self) -> bool {
-        match &self.found {
-            Found::Unknown | Found::Apart => true,
-            Found::Triangles { triangles, .. } => {
-                triangles.is_empty() || self.asked.is_swept || self.asked.mode == MorphCollisionMode::Contacts
+        match &self.known {
+            BatchResult::NotAsked | BatchResult::Apart => true,
+            BatchResult::Triangles { triangles, .. } => {
+                triangles.is_empty() || self.comparison.is_swept || self.comparison.mode == MorphCollisionMode::Contacts
             }
         }
     }
@@ -57,7 +57,7 @@ impl Job {
 
 /// What is known about a pair in the end.
 #[derive(Debug, PartialEq)]
-pub(super) enum Answer {
+pub(super) enum Outcome {
     Apart,
     Touching(MorphContact),
     /// They touched on their way from the last run, but do not any more.

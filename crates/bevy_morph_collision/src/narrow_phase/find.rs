@@ -7,12 +7,13 @@ use morph_collision::batch::{BatchQuery, PairTask, Wanted};
 use tracing::debug_span;
 
 use super::builders::Builders;
-use super::comparison::{Answer, Asked, Found, Job, Pair, wants_all};
+use super::comparison::{BatchResult, Comparison, Job, Outcome, Pair, wants_all};
 use super::memories::{Memories, keep_memories};
-use super::participant::Placed;
+use super::participant::PlacedCollider;
 use super::starts::Starts;
 use super::workers::TaskPoolWorkers;
 
+use super::starts::RunView;
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
 use crate::contacts::MorphCollisions;
@@ -20,21 +21,23 @@ use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, RunTimes, Run
 
 /// Memory that the narrow phase reuses.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct NarrowPhase {
     builders: Builders,
     batch: BatchQuery,
     /// The maximum number of triangle pairs in a contact.
     limit: usize,
     /// Whether the limit has changed since the last run.
     compare_all: bool,
+    /// The time since the last run; 0 if it is not known.
+    seconds: f64,
     /// The pairs of meshes to query.
-    asked: Vec<Asked>,
-    /// Where pairs touched in the last run. `next_memories` is scratch memory for the next ones.
+    comparisons: Vec<Comparison>,
+    /// Where pairs touched in the last run. `next_memories` is memory for the next ones.
     memories: Memories,
     next_memories: Memories,
     /// Where colliders of continuous pairs were in the last run.
     starts: Starts,
-    answers: Vec<(Pair, Answer)>,
+    outcomes: Vec<(Pair, Outcome)>,
 }
 
 /// Finds out for every candidate pair whether and where it touches. Queries all pairs of meshes at once, on Bevy's threads.
@@ -47,22 +50,22 @@ pub(crate) fn find_contacts(
     mut collisions: ResMut<MorphCollisions>,
     settings: Res<MorphCollisionSettings>,
     times: Res<RunTimes>,
-    mut scratch: Local<Scratch>,
+    mut phase: Local<NarrowPhase>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::narrow_phase").entered();
     let collisions = &mut *collisions;
     collisions.begin_run();
-    let scratch = &mut *scratch;
+    let phase = &mut *phase;
     let limit = settings.list_limit();
-    scratch.compare_all = std::mem::replace(&mut scratch.limit, limit) != limit;
-    if runs.compare(scratch.compare_all) {
-        scratch.answers.clear();
-        scratch.builders.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
-        let unchanged = scratch.ask(&candidates, &mut colliders, collisions, &mut diagnostics);
+    phase.compare_all = std::mem::replace(&mut phase.limit, limit) != limit;
+    if runs.compare(phase.compare_all) {
+        phase.outcomes.clear();
+        phase.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
+        let unchanged = phase.compare_pairs(&candidates, &mut colliders, collisions, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
-        take_over(collisions, &candidates.pairs, &mut scratch.answers);
+        take_over(collisions, &candidates.pairs, &mut phase.outcomes);
         for (_, mut state) in &mut colliders {
             let took_part = state.placed.is_some();
             state.freshness.compared(took_part);
@@ -76,24 +79,24 @@ pub(crate) fn find_contacts(
     diagnostics.duration += start.elapsed();
 }
 
-/// Takes over the answers, in any order, and ends the contacts of pairs that are no longer candidates.
-fn take_over(collisions: &mut MorphCollisions, candidates: &[Pair], answers: &mut Vec<(Pair, Answer)>) {
+/// Takes over the outcomes, in any order, and ends the contacts of pairs that are no longer candidates.
+fn take_over(collisions: &mut MorphCollisions, candidates: &[Pair], outcomes: &mut Vec<(Pair, Outcome)>) {
     collisions.end_unless(|pair| candidates.binary_search(&pair).is_ok());
     let mut passed = Vec::new();
-    for (pair, answer) in answers.drain(..) {
-        match answer {
-            Answer::Touching(contact) => collisions.touch(contact),
-            Answer::Passed(contact) => passed.push(contact),
-            Answer::Apart => collisions.part(pair),
+    for (pair, outcome) in outcomes.drain(..) {
+        match outcome {
+            Outcome::Touching(contact) => collisions.touch(contact),
+            Outcome::Passed(contact) => passed.push(contact),
+            Outcome::Apart => collisions.part(pair),
         }
     }
     collisions.end_run(passed);
 }
 
-impl Scratch {
+impl NarrowPhase {
     /// Queries the pairs with a collider that changed. Returns how many pairs have none. `contacts` is the result of the last
     /// run.
-    fn ask(
+    fn compare_pairs(
         &mut self,
         candidates: &Candidates,
         colliders: &mut Query<(Entity, &mut ColliderState)>,
@@ -102,17 +105,18 @@ impl Scratch {
     ) -> u64 {
         let mut placed: Vec<_> = colliders
             .iter_mut()
-            .filter_map(|(entity, state)| Placed::new(entity, state.into_inner()))
+            .filter_map(|(entity, state)| PlacedCollider::new(entity, state.into_inner()))
             .collect();
         placed.sort_unstable_by_key(|collider| collider.entity);
-        let place =
-            |placed: &[Placed], entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
-        let asked = |pair: Pair, is_swept: bool, placed: &[Placed]| {
-            let places = (place(placed, pair.0)?, place(placed, pair.1)?);
-            let [a, b] = [&placed[places.0], &placed[places.1]];
-            Some(Asked {
+        let index_of = |placed: &[PlacedCollider], entity: Entity| {
+            placed.binary_search_by_key(&entity, |collider| collider.entity).ok()
+        };
+        let compare = |pair: Pair, is_swept: bool, placed: &[PlacedCollider]| {
+            let indices = (index_of(placed, pair.0)?, index_of(placed, pair.1)?);
+            let [a, b] = [&placed[indices.0], &placed[indices.1]];
+            Some(Comparison {
                 pair,
-                places,
+                indices,
                 mode: a.placement.mode.max(b.placement.mode),
                 // A contact that lasts cannot begin.
                 is_swept: is_swept && (a.changed || b.changed) && !contacts.contains(pair.0, pair.1),
@@ -121,51 +125,51 @@ impl Scratch {
         let (pairs, swept) = (&candidates.pairs, &candidates.swept);
         let mut unchanged = 0;
         let mut jobs = Vec::new();
-        self.asked.clear();
+        self.comparisons.clear();
         for &pair in pairs {
             let is_swept = !swept.pairs.is_empty() && swept.pairs.binary_search(&pair).is_ok();
-            let Some(asked) = asked(pair, is_swept, &placed) else {
+            let Some(comparison) = compare(pair, is_swept, &placed) else {
                 continue;
             };
-            let (a, b) = asked.places;
+            let (a, b) = comparison.indices;
             if !placed[a].changed && !placed[b].changed && !self.compare_all {
                 unchanged += 1;
                 continue;
             }
             match (placed[a].placement.form, placed[b].placement.form) {
-                (Form::Mesh(_), Form::Mesh(_)) => self.asked.push(asked),
+                (Form::Mesh(_), Form::Mesh(_)) => self.comparisons.push(comparison),
                 (Form::Shape(_), Form::Shape(_)) => {}
                 _ => jobs.push(Job {
-                    asked,
-                    found: Found::Unknown,
+                    comparison,
+                    known: BatchResult::NotAsked,
                 }),
             }
         }
-        self.ask_meshes(&mut placed, contacts, &mut jobs, diagnostics);
+        self.compare_meshes(&mut placed, contacts, &mut jobs, diagnostics);
         for &pair in swept.pairs.iter().filter(|pair| pairs.binary_search(pair).is_err()) {
-            if let Some(asked) = asked(pair, true, &placed).filter(|asked| asked.is_swept) {
-                let found = Found::Apart;
-                jobs.push(Job { asked, found });
+            if let Some(comparison) = compare(pair, true, &placed).filter(|comparison| comparison.is_swept) {
+                let known = BatchResult::Apart;
+                jobs.push(Job { comparison, known });
             }
         }
         diagnostics.swept_pairs = self.starts.prepare(&jobs, &placed, swept);
-        let work = self.builders.run(
-            &TaskPoolWorkers,
-            (&placed, &self.starts),
-            &mut jobs,
-            self.limit,
-            &mut self.answers,
-        );
+        let view = RunView {
+            colliders: &placed,
+            starts: &self.starts,
+            seconds: self.seconds,
+            limit: self.limit,
+        };
+        let work = self.builders.run(&TaskPoolWorkers, view, &mut jobs, &mut self.outcomes);
         diagnostics.stats += work.stats;
         diagnostics.swept_stats = work.swept;
         diagnostics.limited_pairs = work.limited_pairs;
         unchanged
     }
 
-    /// Finds the intersecting triangles of the asked pairs. Pairs that might have a contact become jobs; the others are answered.
-    fn ask_meshes(
+    /// Finds the intersecting triangles of the pairs to compare. Pairs that might have a contact become jobs; the others are answered.
+    fn compare_meshes(
         &mut self,
-        placed: &mut [Placed<'_>],
+        placed: &mut [PlacedCollider<'_>],
         contacts: &MorphCollisions,
         jobs: &mut Vec<Job>,
         diagnostics: &mut MorphCollisionDiagnostics,
@@ -175,56 +179,57 @@ impl Scratch {
             batch,
             limit,
             compare_all: _,
-            asked,
+            seconds: _,
+            comparisons,
             memories,
             next_memories,
             starts: _,
-            answers,
+            outcomes,
         } = self;
-        keep_memories(asked, contacts, memories, next_memories);
+        keep_memories(comparisons, contacts, memories, next_memories);
         let mut memories = memories.iter_mut().peekable();
-        let mut tasks: Vec<_> = asked
+        let mut tasks: Vec<_> = comparisons
             .iter()
-            .map(|asked| {
-                let (a, b) = asked.places;
-                let wanted = if wants_all(asked.mode) {
+            .map(|comparison| {
+                let (a, b) = comparison.indices;
+                let wanted = if wants_all(comparison.mode) {
                     Wanted::UpTo(*limit)
                 } else {
                     Wanted::First
                 };
                 let mut task = PairTask::new(a, b, wanted);
-                let memory = memories.next_if(|(pair, _)| *pair == asked.pair);
+                let memory = memories.next_if(|(pair, _)| *pair == comparison.pair);
                 task.memory = memory.map(|(_, memory)| memory);
                 task
             })
             .collect();
         // Shapes are in the list, but in no task.
         let mut bodies: Vec<Body<'_>> = Vec::new();
-        let mut place_of = vec![usize::MAX; placed.len()];
-        for (place, collider) in placed.iter_mut().enumerate() {
+        let mut body_of = vec![usize::MAX; placed.len()];
+        for (index, collider) in placed.iter_mut().enumerate() {
             if let (Form::Mesh(world_from_model), Some(pose)) = (&collider.placement.form, &mut collider.pose) {
-                place_of[place] = bodies.len();
+                body_of[index] = bodies.len();
                 bodies.push(Body::new(pose.get_mut(), world_from_model));
             }
         }
         for task in &mut tasks {
-            (task.a, task.b) = (place_of[task.a], place_of[task.b]);
+            (task.a, task.b) = (body_of[task.a], body_of[task.b]);
         }
         let found = batch.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
         diagnostics.stats += found.stats();
-        for (task, &asked) in asked.iter().enumerate() {
+        for (task, &comparison) in comparisons.iter().enumerate() {
             let triangles = found.get(task);
-            let (a, b) = asked.places;
+            let (a, b) = comparison.indices;
             let margin = placed[a].placement.margin + placed[b].placement.margin;
-            if triangles.is_empty() && margin == 0.0 && !asked.is_swept {
-                answers.push((asked.pair, Answer::Apart));
+            if triangles.is_empty() && margin == 0.0 && !comparison.is_swept {
+                outcomes.push((comparison.pair, Outcome::Apart));
                 continue;
             }
-            let found = Found::Triangles {
+            let known = BatchResult::Triangles {
                 triangles: triangles.to_vec(),
                 is_truncated: found.is_truncated(task),
             };
-            jobs.push(Job { asked, found });
+            jobs.push(Job { comparison, known });
         }
     }
 }

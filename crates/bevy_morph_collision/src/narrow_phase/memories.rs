@@ -2,20 +2,25 @@
 
 use morph_collision::PairMemory;
 
-use super::comparison::{Asked, Pair, wants_all};
+use super::comparison::{Comparison, Pair, wants_all};
 use crate::contacts::MorphCollisions;
 
 /// Memories, sorted by pair.
 pub(super) type Memories = Vec<(Pair, PairMemory)>;
 
-/// Updates `memories` for the pairs in `asked`, which is sorted: known memories stay, others are created or dropped.
+/// Updates `memories` for the pairs in `comparisons`, which is sorted: known memories stay, others are created or dropped.
 ///
 /// A pair has a memory if only one pair of triangles is wanted and its triangles intersected in the last run. `contacts` is the
 /// result of that run.
 ///
 /// PERF: a memory for every candidate costs 12 % of the instructions in a sparse crowd. A memory only for pairs that touched
 /// costs at most 0.5 %, and saves 3 to 21 % where colliders touch.
-pub(super) fn keep_memories(asked: &[Asked], contacts: &MorphCollisions, memories: &mut Memories, next: &mut Memories) {
+pub(super) fn keep_memories(
+    comparisons: &[Comparison],
+    contacts: &MorphCollisions,
+    memories: &mut Memories,
+    next: &mut Memories,
+) {
     let touched = |pair: Pair| {
         contacts
             .get(pair.0, pair.1)
@@ -23,7 +28,7 @@ pub(super) fn keep_memories(asked: &[Asked], contacts: &MorphCollisions, memorie
     };
     let mut known = memories.drain(..).peekable();
     next.clear();
-    for &Asked { pair, mode, .. } in asked {
+    for &Comparison { pair, mode, .. } in comparisons {
         if wants_all(mode) || !touched(pair) {
             continue;
         }

@@ -2,17 +2,17 @@
 //!
 //! - `find`: queries all pairs of meshes at once. `participant`: the colliders. `comparison`: two of them, and what is known about them.
 //! - `memories`: starts pairs where they touched in the last run.
-//! - `touch`: turns the results into contacts. `builders`: also on several threads. `workers`: Bevy's threads.
+//! - `contact_queries`: turns the results into contacts. `builders`: also on several threads. `workers`: Bevy's threads.
 //! - `motion`: compares continuous pairs that did not touch on their way, from where they were (`starts`).
 
 mod builders;
 mod comparison;
+mod contact_queries;
 mod find;
 mod memories;
 mod motion;
 mod participant;
 mod starts;
-mod touch;
 mod workers;
 
 pub(crate) use find::find_contacts;

@@ -4,10 +4,10 @@ use bevy::math::{DVec3, Vec3};
 use morph_collision::motion::{Features, LimitReached, MotionContact, MovingBody};
 use morph_collision::{MorphModel, QueryStats, TrianglePair};
 
-use super::comparison::Asked;
-use super::participant::Placed;
-use super::starts::Starts;
-use super::touch::Touch;
+use super::comparison::Comparison;
+use super::contact_queries::ContactQueries;
+use super::participant::PlacedCollider;
+use super::starts::RunView;
 use crate::contacts::{MorphContact, MorphImpact, MorphImpactFeatures, no_triangles};
 
 /// The largest difference between the two ends of a time of impact, relative to the time between two runs.
@@ -20,7 +20,7 @@ pub(super) const STEPS_PER_PAIR: u64 = 200_000;
 pub(super) const SHARED_STEPS: u64 = 3_000_000;
 
 /// What is known about two meshes on their way.
-pub(super) enum Way {
+pub(super) enum SweptResult {
     /// They do not touch on it, or the way of one of them is not known.
     Apart,
     Touching(MorphImpact),
@@ -28,44 +28,43 @@ pub(super) enum Way {
     Undecided(MorphImpact),
 }
 
-impl Touch {
+impl ContactQueries {
     /// The first contact on the way, within so many steps of work.
-    pub(super) fn way(
+    pub(super) fn swept(
         &mut self,
-        (placed, starts): (&[Placed<'_>], &Starts),
-        asked: Asked,
-        seconds: f64,
+        view: RunView<'_>,
+        comparison: Comparison,
         steps: u64,
         stats: &mut QueryStats,
-    ) -> Way {
-        let [a, b] = [&placed[asked.places.0], &placed[asked.places.1]];
-        let (Some(start_a), Some(start_b)) = (starts.of(a), starts.of(b)) else {
-            return Way::Apart;
+    ) -> SweptResult {
+        let [a, b] = view.pair(comparison);
+        let (Some(start_a), Some(start_b)) = (view.starts.of(a), view.starts.of(b)) else {
+            return SweptResult::Apart;
         };
         // Each locks its pose: in ascending order, and the start of a collider after its end.
         let (Some(mut end_a), mut mesh_a) = (a.mesh(), start_a.mesh()) else {
-            return Way::Apart;
+            return SweptResult::Apart;
         };
         let (Some(mut end_b), mut mesh_b) = (b.mesh(), start_b.mesh()) else {
-            return Way::Apart;
+            return SweptResult::Apart;
         };
         let body_a = MovingBody::new(mesh_a.body(), end_a.body());
         let body_b = MovingBody::new(mesh_b.body(), end_b.body());
         let (Ok(body_a), Ok(body_b)) = (body_a, body_b) else {
-            return Way::Apart;
+            return SweptResult::Apart;
         };
         self.motion.set_limit(steps);
         let first = self.motion.first(body_a, body_b, TOLERANCE);
         *stats += self.motion.stats();
         match first {
-            Ok(None) => Way::Apart,
+            Ok(None) => SweptResult::Apart,
             Ok(Some(contact)) => {
                 let models = [&end_a, &end_b].map(|end| end.pose.bvh().model().as_ref());
-                let impact = impact(&contact, models, seconds);
+                let impact = impact(&contact, models, view.seconds);
                 if impact.latest - impact.earliest > TOLERANCE {
-                    Way::Undecided(impact)
+                    SweptResult::Undecided(impact)
                 } else {
-                    Way::Touching(impact)
+                    SweptResult::Touching(impact)
                 }
             }
             Err(LimitReached { not_before }) => {
@@ -73,7 +72,7 @@ impl Touch {
                     let way = now.placement.bounds.union(&start.bounds);
                     (way.min, way.max)
                 });
-                Way::Undecided(MorphImpact {
+                SweptResult::Undecided(MorphImpact {
                     earliest: not_before,
                     latest: 1.0,
                     point: middle(of_a.0.max(of_b.0), of_a.1.min(of_b.1)),
@@ -146,8 +145,8 @@ fn within(model: &MorphModel, triangle: u32, vertices: &[u32], weights: [f64; 3]
 
 impl MorphContact {
     /// The contact of a pair that touched only on its way.
-    pub(super) fn passed(asked: Asked, placed: &[Placed<'_>], impact: MorphImpact) -> Self {
-        let contact = Self::of(asked, [&placed[asked.places.0], &placed[asked.places.1]]);
+    pub(super) fn passed(comparison: Comparison, pair: [&PlacedCollider<'_>; 2], impact: MorphImpact) -> Self {
+        let contact = Self::of(comparison, pair);
         let triangles = match impact.features {
             MorphImpactFeatures::Undecided => Vec::new(),
             _ => vec![impact.triangles],

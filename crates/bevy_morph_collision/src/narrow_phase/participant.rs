@@ -8,7 +8,7 @@ use morph_collision::{Body, Pose, PoseSnapshot, WorldFromModel};
 use crate::state::{ColliderState, Form, LockedPose, Placement};
 
 /// A collider that takes part.
-pub(super) struct Placed<'a> {
+pub(super) struct PlacedCollider<'a> {
     pub(super) entity: Entity,
     pub(super) changed: bool,
     pub(super) placement: &'a Placement,
@@ -20,15 +20,15 @@ pub(super) struct Placed<'a> {
 /// A mesh that a query uses.
 pub(super) struct UsedMesh<'p> {
     pub(super) pose: MutexGuard<'p, Pose>,
-    pub(super) place: &'p WorldFromModel,
+    pub(super) world_from_model: &'p WorldFromModel,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedCollider<'a> {
     pub(super) fn new(entity: Entity, state: &'a mut ColliderState) -> Option<Self> {
         let changed = state.freshness.answers_are_old();
         let (placement, pose, before) = match &mut state.held {
             Some(held) => (&held.placed, &mut held.pose, &held.before),
-            None => (state.placed.as_ref()?, &mut state.pose, &state.before.shape),
+            None => (state.placed.as_ref()?, &mut state.pose, &state.previous.shape),
         };
         Some(Self {
             entity,
@@ -43,9 +43,9 @@ impl<'a> Placed<'a> {
     /// entities.
     pub(super) fn mesh(&self) -> Option<UsedMesh<'_>> {
         match (&self.placement.form, &self.pose) {
-            (Form::Mesh(place), Some(pose)) => Some(UsedMesh {
+            (Form::Mesh(world_from_model), Some(pose)) => Some(UsedMesh {
                 pose: pose.lock(),
-                place,
+                world_from_model,
             }),
             _ => None,
         }
@@ -54,6 +54,6 @@ impl<'a> Placed<'a> {
 
 impl UsedMesh<'_> {
     pub(super) fn body(&mut self) -> Body<'_> {
-        Body::new(&mut self.pose, self.place)
+        Body::new(&mut self.pose, self.world_from_model)
     }
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use bevy::ecs::entity::EntityHashMap;
 use morph_collision::{Aabb, Pose, WorldFromModel};
 
-use super::comparison::Job;
-use super::participant::{Placed, UsedMesh};
+use super::comparison::{Comparison, Job};
+use super::participant::{PlacedCollider, UsedMesh};
 use crate::broad_phase::SweptPairs;
 use crate::state::{Form, LockedPose};
 
@@ -18,35 +18,55 @@ pub(super) struct Starts(EntityHashMap<Start>);
 pub(super) struct Start {
     /// Around the mesh, in the world.
     pub(super) bounds: Aabb,
-    place: WorldFromModel,
+    world_from_model: WorldFromModel,
     pose: LockedPose,
     is_used: bool,
 }
 
+/// What comparisons of a run read.
+#[derive(Clone, Copy)]
+pub(super) struct RunView<'a> {
+    /// The colliders that take part, in ascending order.
+    pub(super) colliders: &'a [PlacedCollider<'a>],
+    pub(super) starts: &'a Starts,
+    /// The time since the last run; 0 if it is not known.
+    pub(super) seconds: f64,
+    /// The maximum number of triangle pairs in a contact.
+    pub(super) limit: usize,
+}
+
+impl<'a> RunView<'a> {
+    /// The two colliders of a comparison.
+    pub(super) fn pair(&self, comparison: Comparison) -> [&'a PlacedCollider<'a>; 2] {
+        let (a, b) = comparison.indices;
+        [&self.colliders[a], &self.colliders[b]]
+    }
+}
+
 impl Starts {
     /// Where a collider was; `None` if that is not known, so that it has no way.
-    pub(super) fn of(&self, placed: &Placed<'_>) -> Option<&Start> {
+    pub(super) fn of(&self, placed: &PlacedCollider<'_>) -> Option<&Start> {
         self.0.get(&placed.entity)
     }
 
     /// Prepares all colliders of pairs to compare on their way, and drops those that are not needed any more. Returns the number of pairs.
-    pub(super) fn prepare(&mut self, jobs: &[Job], placed: &[Placed<'_>], swept: &SweptPairs) -> u64 {
+    pub(super) fn prepare(&mut self, jobs: &[Job], placed: &[PlacedCollider<'_>], swept: &SweptPairs) -> u64 {
         if jobs.is_empty() && self.0.is_empty() {
             return 0;
         }
         self.0.values_mut().for_each(|start| start.is_used = false);
         let mut pairs = 0;
-        for job in jobs.iter().filter(|job| job.asked.is_swept) {
+        for job in jobs.iter().filter(|job| job.comparison.is_swept) {
             pairs += 1;
-            for place in [job.asked.places.0, job.asked.places.1] {
-                self.add(&placed[place], swept);
+            for index in [job.comparison.indices.0, job.comparison.indices.1] {
+                self.add(&placed[index], swept);
             }
         }
         self.0.retain(|_, start| start.is_used);
         pairs
     }
 
-    fn add(&mut self, placed: &Placed<'_>, swept: &SweptPairs) {
+    fn add(&mut self, placed: &PlacedCollider<'_>, swept: &SweptPairs) {
         if self.0.get(&placed.entity).is_some_and(|start| start.is_used) {
             return;
         }
@@ -59,9 +79,9 @@ impl Starts {
 
 impl Start {
     /// `None` if it was not there. `known` is its second pose, if it has one already.
-    fn new(placed: &Placed<'_>, swept: &SweptPairs, known: Option<LockedPose>) -> Option<Self> {
+    fn new(placed: &PlacedCollider<'_>, swept: &SweptPairs, known: Option<LockedPose>) -> Option<Self> {
         let before = swept.before(placed.entity)?;
-        let Form::Mesh(place) = before.form else {
+        let Form::Mesh(world_from_model) = before.form else {
             return None;
         };
         let bounds = before.bounds;
@@ -78,7 +98,7 @@ impl Start {
         let is_used = true;
         is_known.then_some(Self {
             bounds,
-            place,
+            world_from_model,
             pose,
             is_used,
         })
@@ -88,7 +108,7 @@ impl Start {
     pub(super) fn mesh(&self) -> UsedMesh<'_> {
         UsedMesh {
             pose: self.pose.lock(),
-            place: &self.place,
+            world_from_model: &self.world_from_model,
         }
     }
 }

@@ -124,7 +124,7 @@ fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
         (
             (
                 state::begin_run,
-                posing::remember,
+                posing::remember_previous,
                 setup::hand_out_trees,
                 posing::read_weights,
                 posing::read_joints,

@@ -12,6 +12,6 @@ mod weights;
 
 pub(crate) use joints::read_joints;
 pub(crate) use lent_poses::LentPoses;
-pub(crate) use previous::remember;
+pub(crate) use previous::remember_previous;
 pub(crate) use skeletons::{BindPoses, Skeletons};
 pub(crate) use weights::{drawn_weights, read_weights, take_weights};

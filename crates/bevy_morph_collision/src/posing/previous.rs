@@ -8,7 +8,7 @@ use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, R
 /// Begins a run: saves the current state of every mesh as its previous state.
 ///
 /// Costs one copy of the weights per collider.
-pub(crate) fn remember(
+pub(crate) fn remember_previous(
     mut colliders: Query<&mut ColliderState>,
     runs: Res<Runs>,
     time: Option<Res<Time>>,
@@ -21,12 +21,15 @@ pub(crate) fn remember(
         let state = &mut *state;
         // While its entity was disabled, its state was not updated.
         let placed = state.placed.as_ref().filter(|_| state.freshness.is_seen(&runs));
-        state.before.place = match placed.map(|placed| &placed.form) {
-            Some(Form::Mesh(place)) => Some(*place),
+        state.previous.world_from_model = match placed.map(|placed| &placed.form) {
+            Some(Form::Mesh(world_from_model)) => Some(*world_from_model),
             _ => None,
         };
-        if let (Some(_), Some(pose)) = (state.before.place, state.pose.as_mut().map(LockedPose::get_mut)) {
-            state.before.shape.take(pose);
+        if let (Some(_), Some(pose)) = (
+            state.previous.world_from_model,
+            state.pose.as_mut().map(LockedPose::get_mut),
+        ) {
+            state.previous.shape.take(pose);
         }
     }
     diagnostics.duration += start.elapsed();

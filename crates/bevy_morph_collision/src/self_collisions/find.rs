@@ -15,7 +15,7 @@ use super::list::MorphSelfCollisions;
 use super::proofs::Proofs;
 use super::regions::{Changes, middle, replace};
 use super::rest::RestPairs;
-use super::state::{Asked, SelfState};
+use super::state::{AnsweredFor, SelfState};
 use crate::components::MorphCollisionSettings;
 use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, Runs};
 
@@ -24,7 +24,7 @@ struct Job<'a> {
     state: &'a mut SelfState,
     list: &'a mut MorphSelfCollisions,
     pose: &'a mut Pose,
-    place: WorldFromModel,
+    world_from_model: WorldFromModel,
     /// Pairs to leave out.
     rest: Arc<[TrianglePair]>,
     limit: usize,
@@ -61,17 +61,17 @@ impl Job<'_> {
         state.listed.extend(list.regions.iter().map(|region| region.region));
         state.points.clear();
         state.points.extend(list.regions.iter().map(|region| region.point));
-        put(list, state, self.place);
+        place_points(list, state, self.world_from_model);
         state.changes.started = changes.started;
         state.changes.ended.extend(changes.ended);
     }
 }
 
 /// Places the points of the regions in the world.
-fn put(list: &mut MorphSelfCollisions, state: &mut SelfState, place: WorldFromModel) {
-    state.place = place;
+fn place_points(list: &mut MorphSelfCollisions, state: &mut SelfState, world_from_model: WorldFromModel) {
+    state.world_from_model = world_from_model;
     for (region, &point) in list.regions.iter_mut().zip(&state.points) {
-        region.point = place.transform_point(point).as_vec3();
+        region.point = world_from_model.transform_point(point).as_vec3();
     }
 }
 
@@ -91,10 +91,10 @@ fn run_all(jobs: Vec<Job<'_>>) {
 
 /// The mesh of a collider, if it takes part in this run. Disabled entities are not read and keep their last place.
 fn taking_part<'a>(collider: &'a mut ColliderState, runs: &Runs) -> Option<(&'a mut Pose, WorldFromModel)> {
-    let Form::Mesh(place) = collider.placed.filter(|_| collider.freshness.is_seen(runs))?.form else {
+    let Form::Mesh(world_from_model) = collider.placed.filter(|_| collider.freshness.is_seen(runs))?.form else {
         return None;
     };
-    Some((collider.pose_mut()?, place))
+    Some((collider.pose_mut()?, world_from_model))
 }
 
 /// Compares the meshes with themselves that changed, and reports what started and ended.
@@ -111,7 +111,7 @@ pub(crate) fn find_self_collisions(
         *proofs = Proofs::default();
         return;
     }
-    proofs.follow();
+    proofs.take_finished();
     let start = Instant::now();
     let _span = debug_span!("morph_collision::self_collisions").entered();
     let limit = settings.list_limit();
@@ -124,34 +124,34 @@ pub(crate) fn find_self_collisions(
             state.reset(&mut list);
         }
         let taking_part = collider.and_then(|collider| taking_part(collider.into_inner(), &runs));
-        let Some((pose, place)) = taking_part else {
-            if state.asked.is_some() {
+        let Some((pose, world_from_model)) = taking_part else {
+            if state.answered_for.is_some() {
                 state.reset(&mut list);
             }
             continue;
         };
-        if let Some(asked) = &state.asked {
-            if asked.is_about(pose, include_rest, limit) {
-                if state.place != place && !state.points.is_empty() {
-                    put(&mut list, state, place);
+        if let Some(answered_for) = &state.answered_for {
+            if answered_for.is_about(pose, include_rest, limit) {
+                if state.world_from_model != world_from_model && !state.points.is_empty() {
+                    place_points(&mut list, state, world_from_model);
                 }
                 continue;
             }
-            if !Arc::ptr_eq(&asked.tree, pose.bvh()) {
+            if !Arc::ptr_eq(&answered_for.tree, pose.bvh()) {
                 // The same numbers of triangles mean others now.
                 state.reset(&mut list);
             }
         }
-        state.asked = Some(Asked::new(pose, include_rest, limit));
+        state.answered_for = Some(AnsweredFor::new(pose, include_rest, limit));
         if list.prove {
-            proofs.want(pose.bvh());
+            proofs.request(pose.bvh());
         }
         let rest = if include_rest { [].into() } else { rests.of(pose.bvh()) };
         jobs.push(Job {
             state,
             list: list.into_inner(),
             pose,
-            place,
+            world_from_model,
             rest,
             limit,
         });

@@ -18,7 +18,7 @@ pub(crate) struct Proofs(HashMap<usize, (Arc<MorphBvh>, Task<Option<SelfCertific
 
 impl Proofs {
     /// Starts the proof for a tree, unless it is running, done, or impossible.
-    pub(super) fn want(&mut self, tree: &Arc<MorphBvh>) {
+    pub(super) fn request(&mut self, tree: &Arc<MorphBvh>) {
         if tree.certificates().is_some() || tree.model().joint_count().is_some() {
             return;
         }
@@ -36,7 +36,7 @@ impl Proofs {
     }
 
     /// Gives trees the certificates of proofs that are complete, and ends the proofs of trees that nothing else uses.
-    pub(super) fn follow(&mut self) {
+    pub(super) fn take_finished(&mut self) {
         self.0.retain(|_, (tree, task)| {
             let Some(proved) = block_on(poll_once(task)) else {
                 return Arc::strong_count(tree) > OWN_COUNT;

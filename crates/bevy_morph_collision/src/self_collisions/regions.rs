@@ -26,10 +26,10 @@ pub(super) fn replace(
 ) -> Changes {
     let mut now = touching_regions(model, pairs);
     now.sort_by_key(|pairs| std::cmp::Reverse(pairs.len()));
-    let mut places: HashMap<u32, usize> = HashMap::default();
-    for (place, pairs) in now.iter().enumerate() {
+    let mut regions_of: HashMap<u32, usize> = HashMap::default();
+    for (index, pairs) in now.iter().enumerate() {
         for triangle in pairs.iter().flat_map(both) {
-            places.insert(triangle, place);
+            regions_of.insert(triangle, index);
         }
     }
     let mut numbers: Vec<Option<u32>> = vec![None; now.len()];
@@ -39,11 +39,11 @@ pub(super) fn replace(
             .triangles
             .iter()
             .flat_map(both)
-            .filter_map(|triangle| places.get(&triangle).copied())
+            .filter_map(|triangle| regions_of.get(&triangle).copied())
             .collect();
         shared.sort_unstable();
-        match shared.into_iter().find(|&place| numbers[place].is_none()) {
-            Some(place) => numbers[place] = Some(before.region),
+        match shared.into_iter().find(|&index| numbers[index].is_none()) {
+            Some(index) => numbers[index] = Some(before.region),
             None => changes.ended.push(before.region),
         }
     }

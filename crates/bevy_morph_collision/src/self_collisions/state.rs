@@ -16,16 +16,16 @@ pub(crate) struct SelfState {
     pub(super) query: SelfQuery,
     pub(super) pairs: Vec<TrianglePair>,
     /// What the regions are the answer to. `None` if the collider takes no part.
-    pub(super) asked: Option<Asked>,
+    pub(super) answered_for: Option<AnsweredFor>,
     pub(super) next_region: u32,
     pub(super) changes: Changes,
     /// The points of the regions in the space of the pose, and where that is in the world.
     pub(super) points: Vec<Vec3>,
-    pub(super) place: WorldFromModel,
+    pub(super) world_from_model: WorldFromModel,
 }
 
 /// Everything that an answer depends on.
-pub(super) struct Asked {
+pub(super) struct AnsweredFor {
     pub(super) tree: Arc<MorphBvh>,
     pub(super) weights: Vec<f32>,
     pub(super) joints: Option<JointMatrices>,
@@ -33,7 +33,7 @@ pub(super) struct Asked {
     pub(super) limit: usize,
 }
 
-impl Asked {
+impl AnsweredFor {
     pub(super) fn new(pose: &Pose, include_rest: bool, limit: usize) -> Self {
         Self {
             tree: pose.bvh().clone(),
@@ -56,7 +56,7 @@ impl SelfState {
     /// Ends all regions.
     pub(super) fn reset(&mut self, list: &mut MorphSelfCollisions) {
         self.changes.ended.append(&mut self.listed);
-        self.asked = None;
+        self.answered_for = None;
         list.regions.clear();
         list.is_truncated = false;
     }

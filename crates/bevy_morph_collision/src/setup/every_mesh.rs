@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::automatic::Automatic;
 use super::body_roots::BodyRoots;
-use super::given::follows;
+use super::given::should_update;
 use super::scene_part::ScenePart;
 use crate::components::{
     MorphCollider, MorphColliderOf, MorphCollisionLayers, MorphCollisionSettings, body_of, give_body,
@@ -54,7 +54,7 @@ pub(crate) fn update_every_deforming_mesh(
             match (wanted, &mut automatic.collider) {
                 (None, _) => automatic.take_back(entity, has),
                 (Some(wanted), Some(given)) => {
-                    if follows(false, given, has.0, wanted, MorphCollider::is_same) {
+                    if should_update(false, given, has.0, wanted, MorphCollider::is_same) {
                         entity.try_insert(wanted);
                     }
                 }
@@ -71,7 +71,7 @@ pub(crate) fn update_every_deforming_mesh(
         };
         let Some(given) = &mut automatic.body else { continue };
         let root = root_of(mesh);
-        if follows(false, given, Some(&body_of(mesh, of)), root, PartialEq::eq) {
+        if should_update(false, given, Some(&body_of(mesh, of)), root, PartialEq::eq) {
             give_body(&mut commands.entity(mesh), root);
         }
     }

@@ -2,7 +2,7 @@
 
 /// Updates the value that the plugin gave to a component. Returns whether to write it: it differs from the current value, and the
 /// user has neither changed nor removed the component. `new` says that it is given for the first time.
-pub(crate) fn follows<C: Copy>(
+pub(crate) fn should_update<C: Copy>(
     new: bool,
     given: &mut C,
     now: Option<&C>,

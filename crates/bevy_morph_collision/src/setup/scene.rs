@@ -11,7 +11,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::automatic::Automatic;
-use super::given::follows;
+use super::given::should_update;
 use super::hierarchy::Hierarchy;
 use super::open_scenes::OpenScenes;
 use super::scene_part::ScenePart;
@@ -153,17 +153,17 @@ impl PartNowItem<'_, '_> {
         let mut part = before.copied().unwrap_or_else(|| self.first(root, scene, gives));
         part.root = root;
         if let Some(given) = &mut part.collider
-            && follows(new, given, self.collider, scene.collider, MorphCollider::is_same)
+            && should_update(new, given, self.collider, scene.collider, MorphCollider::is_same)
         {
             entity.try_insert(scene.collider);
         }
         if let Some(given) = &mut part.layers
-            && follows(new, given, self.layers, scene.layers, PartialEq::eq)
+            && should_update(new, given, self.layers, scene.layers, PartialEq::eq)
         {
             entity.try_insert(scene.layers);
         }
         if let Some(given) = &mut part.body
-            && follows(new, given, Some(&self.body()), root, PartialEq::eq)
+            && should_update(new, given, Some(&self.body()), root, PartialEq::eq)
         {
             give_body(&mut entity, root);
         }

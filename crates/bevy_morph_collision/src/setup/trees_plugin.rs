@@ -22,7 +22,7 @@ impl Plugin for TreesPlugin {
         app.init_resource::<MorphTrees>()
             .init_resource::<import::LoadFailures>()
             .init_resource::<import::FurtherInfluences>()
-            .init_resource::<import::Said>()
+            .init_resource::<import::LoggedErrors>()
             .register_type::<MorphTrees>()
             .register_type::<MorphTreeProgress>()
             .register_type::<ImportError>()

@@ -15,7 +15,7 @@ const LEAF_SIZE: usize = 4;
 /// The tree is rebuilt when its looseness has grown by this factor. Not tuned by measurement.
 const MAX_GROWTH: f32 = 2.0;
 
-/// A tree over colliders, which it identifies by their place in a sorted list of colliders.
+/// A tree over colliders, which it identifies by their index in a sorted list of colliders.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColliderIndex {
     /// The run of the list from which it was last updated.
@@ -42,8 +42,8 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 struct Item {
     bounds: Aabb,
-    /// The place in the list of colliders; [`GONE`] if the collider was removed.
-    place: u32,
+    /// The index in the list of colliders; [`GONE`] if the collider was removed.
+    index: u32,
 }
 
 const GONE: u32 = u32::MAX;
@@ -58,19 +58,19 @@ impl ColliderIndex {
         self.items.iter_mut().for_each(|item| {
             *item = Item {
                 bounds: Aabb::EMPTY,
-                place: GONE,
+                index: GONE,
             };
         });
         let (mut came, mut found) = (0, 0);
         let mut members = self.members.iter().peekable();
-        for (place, (entity, bounds)) in (0..).zip(colliders.clone()) {
+        for (index, (entity, bounds)) in (0..).zip(colliders.clone()) {
             while members.next_if(|(member, _)| *member < entity).is_some() {}
             if let Some(&(_, item)) = members.next_if(|(member, _)| *member == entity) {
-                self.items[item as usize] = Item { bounds, place };
+                self.items[item as usize] = Item { bounds, index };
                 found += 1;
             } else {
                 came += usize::from(is_bounded(&bounds));
-                self.loose.push((place, bounds));
+                self.loose.push((index, bounds));
             }
         }
         let went = self.members.len() - found;
@@ -86,11 +86,11 @@ impl ColliderIndex {
         self.members.clear();
         self.loose.clear();
         let mut inside = Vec::new();
-        for (place, (entity, bounds)) in (0..).zip(colliders) {
+        for (index, (entity, bounds)) in (0..).zip(colliders) {
             if is_bounded(&bounds) {
-                inside.push((entity, Item { bounds, place }));
+                inside.push((entity, Item { bounds, index }));
             } else {
-                self.loose.push((place, bounds));
+                self.loose.push((index, bounds));
             }
         }
         self.split(&mut inside);
@@ -173,7 +173,7 @@ impl ColliderIndex {
         mut at: impl FnMut(usize) -> f32,
     ) {
         queue.clear();
-        let mut offer = |queue: &mut Queue, bounds: &Aabb, what: Found, limit: f32| {
+        let mut offer = |queue: &mut Queue, bounds: &Aabb, what: Queued, limit: f32| {
             if is_empty(bounds) {
                 return;
             }
@@ -181,31 +181,31 @@ impl ColliderIndex {
                 queue.push(Reverse((FloatOrd(bound), what)));
             }
         };
-        for (place, bounds) in &self.loose {
-            offer(queue, bounds, Found::Collider(*place), limit);
+        for (index, bounds) in &self.loose {
+            offer(queue, bounds, Queued::Collider(*index), limit);
         }
         if let Some(root) = self.nodes.first() {
-            offer(queue, &root.bounds, Found::Node(0), limit);
+            offer(queue, &root.bounds, Queued::Node(0), limit);
         }
         while let Some(Reverse((FloatOrd(lowest), what))) = queue.pop() {
             if lowest > limit {
                 break;
             }
             let node = match what {
-                Found::Collider(place) => {
-                    limit = at(place as usize);
+                Queued::Collider(index) => {
+                    limit = at(index as usize);
                     continue;
                 }
-                Found::Node(node) => node,
+                Queued::Node(node) => node,
             };
             let Node { count, start, .. } = self.nodes[node as usize];
             if count == 0 && start > node {
                 for child in [node + 1, start] {
-                    offer(queue, &self.nodes[child as usize].bounds, Found::Node(child), limit);
+                    offer(queue, &self.nodes[child as usize].bounds, Queued::Node(child), limit);
                 }
             } else {
                 for item in &self.items[start as usize..(start + count) as usize] {
-                    offer(queue, &item.bounds, Found::Collider(item.place), limit);
+                    offer(queue, &item.bounds, Queued::Collider(item.index), limit);
                 }
             }
         }
@@ -221,10 +221,10 @@ fn is_empty(bounds: &Aabb) -> bool {
 }
 
 /// The nodes and items still to visit, lowest bound first. A NaN bound comes before all others. Walks reuse the memory.
-pub(super) type Queue = BinaryHeap<Reverse<(FloatOrd, Found)>>;
+pub(super) type Queue = BinaryHeap<Reverse<(FloatOrd, Queued)>>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Found {
+pub(super) enum Queued {
     Node(u32),
     Collider(u32),
 }

@@ -35,8 +35,8 @@ fn near(index: &ColliderIndex, point: Vec3, within: f32) -> (Vec<usize>, usize) 
             boxes += 1;
             Some(away(bounds))
         },
-        |place| {
-            found.push(place);
+        |index| {
+            found.push(index);
             within
         },
     );
@@ -50,7 +50,7 @@ fn expected(colliders: &Colliders, point: Vec3, within: f32) -> Vec<usize> {
         .iter()
         .enumerate()
         .filter(|(_, (_, bounds))| away(bounds) <= within);
-    near.map(|(place, _)| place).collect()
+    near.map(|(index, _)| index).collect()
 }
 
 #[test]
@@ -94,8 +94,8 @@ fn the_nearest_come_first_and_a_lower_limit_ends_the_walk() {
         &mut Queue::new(),
         f32::INFINITY,
         |bounds| Some(away(bounds)),
-        |place| {
-            visited.push(away(&colliders[place].1));
+        |index| {
+            visited.push(away(&colliders[index].1));
             if visited.len() < 10 { f32::INFINITY } else { visited[9] }
         },
     );
@@ -127,7 +127,7 @@ fn boxes_looked_at_grow_slower_than_colliders() {
                     looks += 1;
                     entry(bounds)
                 },
-                |place| entry(&colliders[place].1).unwrap(),
+                |index| entry(&colliders[index].1).unwrap(),
             );
         }
         rays.push(looks / 200);

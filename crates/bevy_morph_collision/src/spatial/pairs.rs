@@ -20,8 +20,8 @@ impl MorphSpatialQuery<'_, '_> {
     #[must_use]
     pub fn closest_points(&self, a: Entity, b: Entity, max_distance: f32) -> Option<MorphClosestPoints> {
         let within = self.valid("closest_points", checked_distance(Vec3::ZERO, max_distance))?;
-        let mut scratch = self.scratch()?;
-        let queries = scratch.queries();
+        let mut borrowed = self.borrow()?;
+        let queries = borrowed.queries();
         let closest = self.with_both(a, b, |a, b| {
             Some(match (a, b) {
                 (Target::Mesh(a), Target::Mesh(b)) => {
@@ -62,8 +62,8 @@ impl MorphSpatialQuery<'_, '_> {
     #[must_use]
     pub fn contacts(&self, a: Entity, b: Entity) -> Option<MorphManifold> {
         let limit = self.list_limit();
-        let mut scratch = self.scratch()?;
-        let queries = scratch.queries();
+        let mut borrowed = self.borrow()?;
+        let queries = borrowed.queries();
         self.with_both(a, b, |a, b| {
             let (mesh, shape, shape_first) = match (a, b) {
                 (Target::Mesh(a), Target::Mesh(b)) => {

@@ -30,12 +30,12 @@ impl MorphSpatialQuery<'_, '_> {
         let within = self.valid("project_point", checked_distance(point, max_distance))?;
         let from = point.as_dvec3();
         let near = |bounds: &Aabb| Some(away(bounds, point));
-        let mut best: Option<(HitRank, Found)> = None;
+        let mut best: Option<(HitRank, Closest)> = None;
         self.walk(filter, &mut predicate, max_distance, near, |queries, entity, target| {
             let limit = best.as_ref().map_or(within, |(_, found)| found.distance);
             let found = match target {
                 Target::Mesh(mut body) => match queries.shape.closest_point(body.reborrow(), from, limit) {
-                    Ok(Some(closest)) => Some(Found {
+                    Ok(Some(closest)) => Some(Closest {
                         distance: closest.distance,
                         point: closest.point,
                         normal: body.triangle(closest.triangle).map_or(Vec3::ZERO, normal_of),
@@ -43,7 +43,7 @@ impl MorphSpatialQuery<'_, '_> {
                     }),
                     _ => None,
                 },
-                Target::Shape(shape) => Some(Found::in_shape(shape, from)).filter(|found| found.distance <= limit),
+                Target::Shape(shape) => Some(Closest::in_shape(shape, from)).filter(|found| found.distance <= limit),
             };
             let found = found.map(|found| (Rank::new(found.distance, (entity, found.triangle())), found));
             let is_closest = |(rank, _): &(HitRank, _)| best.as_ref().is_none_or(|(closest, _)| rank < closest);
@@ -110,14 +110,14 @@ impl MorphSpatialQuery<'_, '_> {
 }
 
 /// The point of a collider that is closest to another point.
-struct Found {
+struct Closest {
     distance: f64,
     point: DVec3,
     normal: Vec3,
     on_mesh: Option<ClosestPoint>,
 }
 
-impl Found {
+impl Closest {
     fn triangle(&self) -> u32 {
         self.on_mesh
             .map_or(MorphContact::NO_TRIANGLE, |closest| closest.triangle)

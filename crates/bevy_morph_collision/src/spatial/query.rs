@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use morph_collision::{Aabb, Body, InputError, PlacedShape};
 
 use super::MorphQueryFilter;
-use super::state::{Queries, Scratch, SpatialState};
+use super::state::{BorrowedQueries, Queries, SpatialState};
 use super::surface::Surfaces;
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
@@ -88,9 +88,9 @@ impl MorphSpatialQuery<'_, '_> {
             .ok()
     }
 
-    /// Scratch memory; `None` without the plugin.
-    pub(super) fn scratch(&self) -> Option<Scratch<'_>> {
-        Some(self.state.as_ref()?.scratch())
+    /// BorrowedQueries memory; `None` without the plugin.
+    pub(super) fn borrow(&self) -> Option<BorrowedQueries<'_>> {
+        Some(self.state.as_ref()?.borrow())
     }
 
     /// Calls `at` for colliders that pass a filter and a predicate, in ascending order of the lower bounds that `bound` computes
@@ -109,8 +109,8 @@ impl MorphSpatialQuery<'_, '_> {
             return;
         };
         let index = state.index(candidates, runs, &self.states);
-        let mut scratch = state.scratch();
-        let queries = scratch.queries();
+        let mut borrowed = state.borrow();
+        let queries = borrowed.queries();
         let mut queue = std::mem::take(&mut queries.queue);
         let mut last = limit;
         index.walk(&mut queue, limit, bound, |place| {

@@ -1,4 +1,4 @@
-//! State that all queries share: the index of colliders, scratch memory, and warnings already logged.
+//! State that all queries share: the index of colliders, borrow memory, and warnings already logged.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -57,10 +57,10 @@ impl SpatialState {
         index.clone()
     }
 
-    /// Scratch memory for one query. Queries can be nested.
-    pub(super) fn scratch(&self) -> Scratch<'_> {
+    /// BorrowedQueries memory for one query. Queries can be nested.
+    pub(super) fn borrow(&self) -> BorrowedQueries<'_> {
         let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        Scratch {
+        BorrowedQueries {
             state: self,
             queries: Some(idle.unwrap_or_default()),
         }
@@ -76,19 +76,19 @@ impl SpatialState {
     }
 }
 
-pub(super) struct Scratch<'a> {
+pub(super) struct BorrowedQueries<'a> {
     state: &'a SpatialState,
     /// `None` only after it was dropped.
     queries: Option<Box<Queries>>,
 }
 
-impl Scratch<'_> {
+impl BorrowedQueries<'_> {
     pub(super) fn queries(&mut self) -> &mut Queries {
         self.queries.get_or_insert_default()
     }
 }
 
-impl Drop for Scratch<'_> {
+impl Drop for BorrowedQueries<'_> {
     fn drop(&mut self) {
         let mut idle = self.state.idle.lock().unwrap_or_else(PoisonError::into_inner);
         if idle.len() < MAX_IDLE {

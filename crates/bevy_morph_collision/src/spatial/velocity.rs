@@ -19,11 +19,14 @@ impl MorphSpatialQuery<'_, '_> {
     #[must_use]
     pub fn surface_velocity(&self, collider: Entity, triangle: u32, barycentrics: Vec3) -> Option<Vec3> {
         let seconds = self.times.as_ref()?.between?.as_secs_f64();
-        let before = &self.state(collider)?.before;
+        let before = &self.state(collider)?.previous;
         let (before, now) = self.with_mesh(collider, |mut body| {
             let was_shown = before.shape.is_of(body.pose);
-            let place = before.place.as_ref().filter(|_| was_shown)?;
-            Some((before.shape.triangle(triangle, place)?, body.triangle(triangle)?))
+            let world_from_model = before.world_from_model.as_ref().filter(|_| was_shown)?;
+            Some((
+                before.shape.triangle(triangle, world_from_model)?,
+                body.triangle(triangle)?,
+            ))
         })?;
         let shares = barycentrics.as_dvec3().to_array();
         let way = (0..3).map(|corner| (now[corner] - before[corner]) * shares[corner]);

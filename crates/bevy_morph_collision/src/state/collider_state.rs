@@ -4,7 +4,7 @@ use super::bad_weights::BadWeights;
 use super::held::Held;
 use super::locked_pose::LockedPose;
 use super::placement::{Form, Placement};
-use super::previous::Before;
+use super::previous::Previous;
 use super::readiness::Readiness;
 use crate::components::MorphCollider;
 use crate::import::TreeKey;
@@ -29,13 +29,13 @@ pub(crate) struct ColliderState {
     /// The state that collisions see if the collider has a tolerance. It can be older than the current one.
     pub(crate) held: Option<Box<Held>>,
     /// The collider's state one run earlier.
-    pub(crate) before: Before,
+    pub(crate) previous: Previous,
     /// What has changed about it since the last run.
     pub(crate) freshness: Freshness,
     /// Which problem with its weights has been logged, so that it is not logged every frame.
     pub(crate) bad_weights: BadWeights,
     /// The same for its position and size.
-    pub(crate) bad_place: bool,
+    pub(crate) bad_placement: bool,
     /// Which readiness event the collider got last.
     pub(crate) reported: Readiness,
 }
@@ -78,7 +78,14 @@ impl ColliderState {
         let pose = self.pose.as_mut().filter(|_| is_mesh).map(|pose| &*pose.get_mut());
         match &mut self.held {
             Some(held) => held.update(pose, placed, tolerance),
-            None => self.held = Some(Box::new(Held::new(pose, placed, self.before.shape.clone(), tolerance))),
+            None => {
+                self.held = Some(Box::new(Held::new(
+                    pose,
+                    placed,
+                    self.previous.shape.clone(),
+                    tolerance,
+                )))
+            }
         }
         false
     }

@@ -4,8 +4,8 @@ use morph_collision::{PoseSnapshot, WorldFromModel};
 
 /// The state of a collider's mesh after a run.
 #[derive(Default)]
-pub(crate) struct Before {
+pub(crate) struct Previous {
     pub(crate) shape: PoseSnapshot,
     /// `None` if it took no part.
-    pub(crate) place: Option<WorldFromModel>,
+    pub(crate) world_from_model: Option<WorldFromModel>,
 }

@@ -6,36 +6,36 @@ use morph_collision::{
     ContactQuery, DistanceQuery, PlacedShape, QueryStats, ShapeContact, ShapeQuery, TrianglePair, triangle_contact,
 };
 
-use super::comparison::{Asked, Found, wants_all};
-use super::participant::Placed;
+use super::comparison::{BatchResult, Comparison, wants_all};
+use super::participant::PlacedCollider;
+use super::starts::RunView;
 use crate::components::MorphCollisionMode;
 use crate::contacts::{MorphContact, MorphContactPoint, pair_with_shape};
 use crate::state::Form;
 
 /// The queries that build contacts.
 #[derive(Default)]
-pub(super) struct Touch {
+pub(super) struct ContactQueries {
     contact: ContactQuery,
     distance: DistanceQuery,
     shape: ShapeQuery,
     pub(super) motion: MotionQuery,
 }
 
-impl Touch {
+impl ContactQueries {
     /// The contact of two colliders; `None` if they do not touch. Takes the triangles that were found.
     pub(super) fn contact(
         &mut self,
-        placed: &[Placed<'_>],
-        asked: Asked,
-        found: &mut Found,
-        limit: usize,
+        view: RunView<'_>,
+        comparison: Comparison,
+        known: &mut BatchResult,
         stats: &mut QueryStats,
     ) -> Option<MorphContact> {
-        let pair = [&placed[asked.places.0], &placed[asked.places.1]];
-        let empty = MorphContact::of(asked, pair);
-        match (found, pair[0].placement.form, pair[1].placement.form) {
+        let (pair, limit) = (view.pair(comparison), view.limit);
+        let empty = MorphContact::of(comparison, pair);
+        match (known, pair[0].placement.form, pair[1].placement.form) {
             (
-                Found::Triangles {
+                BatchResult::Triangles {
                     triangles,
                     is_truncated,
                 },
@@ -44,9 +44,13 @@ impl Touch {
                 let found = (std::mem::take(triangles), *is_truncated);
                 self.with_mesh(empty, pair, found, limit, stats)
             }
-            (Found::Unknown, _, Form::Shape(shape)) => self.with_shape(empty, pair, (&shape, false), limit, stats),
-            (Found::Unknown, Form::Shape(shape), _) => self.with_shape(empty, pair, (&shape, true), limit, stats),
-            (Found::Unknown, Form::Mesh(_), Form::Mesh(_)) | (Found::Apart, ..) => None,
+            (BatchResult::NotAsked, _, Form::Shape(shape)) => {
+                self.with_shape(empty, pair, (&shape, false), limit, stats)
+            }
+            (BatchResult::NotAsked, Form::Shape(shape), _) => {
+                self.with_shape(empty, pair, (&shape, true), limit, stats)
+            }
+            (BatchResult::NotAsked, Form::Mesh(_), Form::Mesh(_)) | (BatchResult::Apart, ..) => None,
         }
     }
 
@@ -54,7 +58,7 @@ impl Touch {
     fn with_mesh(
         &mut self,
         mut contact: MorphContact,
-        [a, b]: [&Placed<'_>; 2],
+        [a, b]: [&PlacedCollider<'_>; 2],
         (mut triangles, is_truncated): (Vec<TrianglePair>, bool),
         limit: usize,
         stats: &mut QueryStats,
@@ -107,7 +111,7 @@ impl Touch {
     fn with_shape(
         &mut self,
         mut contact: MorphContact,
-        [a, b]: [&Placed<'_>; 2],
+        [a, b]: [&PlacedCollider<'_>; 2],
         (shape, shape_first): (&PlacedShape, bool),
         limit: usize,
         stats: &mut QueryStats,
@@ -144,13 +148,13 @@ impl Touch {
 
 impl MorphContact {
     /// The contact of a pair, still without points.
-    pub(super) fn of(asked: Asked, [a, b]: [&Placed<'_>; 2]) -> Self {
+    pub(super) fn of(comparison: Comparison, [a, b]: [&PlacedCollider<'_>; 2]) -> Self {
         Self {
-            collider1: asked.pair.0,
-            collider2: asked.pair.1,
+            collider1: comparison.pair.0,
+            collider2: comparison.pair.1,
             body1: a.placement.body,
             body2: b.placement.body,
-            mode: asked.mode,
+            mode: comparison.mode,
             point: Vec3::ZERO,
             normal: Vec3::ZERO,
             distance: 0.0,

@@ -53,11 +53,11 @@ features:
 
 # Packages the published crates and builds each one from its package (the last one compiles Bevy).
 package:
-    cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
+    cargo package -p morph_collision -p morph_collision_models -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
 
 # Packages them without building: checks manifests and the lists of files.
 package-list:
-    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
+    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_models -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
 
 # Lists the public items of a published crate (cargo install cargo-public-api --locked; rustup toolchain install nightly --profile minimal).
 public-api CRATE="morph_collision":

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use clap::{Parser, builder::PossibleValuesParser};
 #[cfg(feature = "render")]
-use morph_collision_testkit::scenes::dolphins as lanes;
+use morph_collision_models::scenes::dolphins as lanes;
 use morph_collision_workspace::app;
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::instances::Instances;

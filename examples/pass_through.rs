@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::scenes::pass_through as way;
+use morph_collision_models::scenes::pass_through as way;
 use morph_collision_workspace::view::clock::{Clock, FRACTIONS, started};
 use morph_collision_workspace::view::models::scene;
 use morph_collision_workspace::view::stage::Notes;

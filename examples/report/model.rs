@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::moments::find_real_model;
 
 /// A model and its meshes as stored in the file.

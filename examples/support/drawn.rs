@@ -8,7 +8,7 @@ use bevy::math::{Affine3A, DVec3, Mat4};
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices, world_vertices};
 
 /// A primitive of the file, shown by an entity.

@@ -12,7 +12,7 @@ use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::Aabb;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::scenes::dolphins;
+use morph_collision_models::scenes::dolphins;
 
 use crate::app::{load_gltf, update_until};
 use crate::error::ExampleError;

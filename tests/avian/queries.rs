@@ -2,7 +2,7 @@
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::support::{app, ask, ball_on_sheet, below, body, is_asleep, place, population, run, set_weights, spawn};

@@ -7,7 +7,7 @@ use bevy::gltf::Gltf;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, load_gltf, update_until};
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 

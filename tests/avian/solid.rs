@@ -3,7 +3,7 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::rigid::box_mesh;
+use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::support::{app, ask, body, place, run, set_weights, spawn, velocity};

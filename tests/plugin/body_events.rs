@@ -4,8 +4,8 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::gltf::Gltf;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, load_gltf};
 
 use crate::log::start;

@@ -4,11 +4,9 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::{
-    gltf_read::read_meshes,
-    mesh::MorphMesh,
-    oracle::{posed_vertices, triangles_intersect, world_vertices},
-};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_testkit::oracle::{posed_vertices, triangles_intersect, world_vertices};
 
 use crate::support::{add_mesh, app, assets, diagnostics, settle, touches};
 

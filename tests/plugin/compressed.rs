@@ -11,8 +11,8 @@ use bevy::mesh::{AttributeQuantization, MeshCompressionArgs, VertexAttributeValu
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::Pose;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::intersecting_pairs;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::{crowd, drawn};

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::Pose;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use crate::support::{add_mesh, bevy_mesh, settle, spawn, two_cubes};
 use crate::trees::replace;

@@ -3,10 +3,8 @@
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::{
-    gltf_read::read_meshes,
-    oracle::{BodyPairs, BodyPose, scene_pairs},
-};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_testkit::oracle::{BodyPairs, BodyPose, scene_pairs};
 use morph_collision_workspace::instances::Instances;
 
 use crate::support::{app, assets};

@@ -13,9 +13,9 @@ use bevy::world_serialization::{WorldAsset, WorldInstanceReady, WorldSerializati
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::Pose;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::gltf::write::{Appearance, to_glb};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::skinned_vertices;
 use morph_collision_workspace::app::{headless, is_loaded, update_until};
 

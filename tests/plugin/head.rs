@@ -7,9 +7,9 @@ use bevy::math::DVec3;
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{point_distance, posed_vertices};
 use morph_collision_workspace::app::{headless, load_gltf};
 

@@ -4,7 +4,7 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
 
 use crate::support::{
     Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,

@@ -9,8 +9,8 @@ use bevy::prelude::*;
 use bevy::world_serialization::{WorldAsset, WorldInstanceReady};
 use bevy_morph_collision::import::{ImportError, MorphTreeProgress};
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
+use morph_collision_models::gltf::write::{Appearance, to_glb};
 use morph_collision_workspace::app::{headless, update_until};
 
 use crate::log::start;

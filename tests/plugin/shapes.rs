@@ -4,7 +4,7 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 
 use crate::support::{add_mesh, app, cube, diagnostics, set_weight, settle, spawn, stretching_cube, touches};
 

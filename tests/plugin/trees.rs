@@ -12,7 +12,7 @@ use crate::log::{Errors, start};
 use crate::support::{
     add_mesh, bevy_mesh, cube, diagnostics, fixed_app, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 
 fn mesh_of(app: &App, entity: Entity) -> AssetId<Mesh> {
     app.world().get::<Mesh3d>(entity).expect("it has a mesh").id()

@@ -4,7 +4,7 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use crate::log::Errors;
 use crate::support::{add_mesh, app, bevy_mesh, cube, move_to, set_weight, settle, spawn, stretching_cube, touches};

@@ -18,8 +18,8 @@ use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::{PointQuery, Ray, RayCast};
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices};
 use morph_collision_workspace::app::{update_until, without_collisions};
 use morph_collision_workspace::physics::DT;
@@ -35,7 +35,7 @@ fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
     let weights = nodes.single(app.world()).expect("there is one").weights().to_vec();
     let mut skins = app.world_mut().query::<&SkinnedMesh>();
     let joints = skins.single(app.world()).expect("there is one").joints.clone();
-    let matrix = |(&entity, joint): (&Entity, &morph_collision_testkit::skeleton::Joint)| {
+    let matrix = |(&entity, joint): (&Entity, &morph_collision_models::skeleton::Joint)| {
         bevy::math::Affine3A::from_mat4(Mat4::from(global(app, entity).affine()) * joint.inverse_bind)
     };
     let matrices: Vec<_> = joints.iter().zip(&skin.skeleton.joints).map(matrix).collect();

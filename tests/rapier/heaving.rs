@@ -10,7 +10,7 @@ use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_models::gltf::read::read_meshes;
 use morph_collision_workspace::app::{update_until, without_collisions};
 use morph_collision_workspace::heaving::{
     Falling, Game, HALF_SEGMENT, IDLE, JUMP, MODEL, Player, RADIUS, SPEED, Tally, Wish,

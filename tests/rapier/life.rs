@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::models::{random, rigid};
+use morph_collision_models::generated::{random, rigid};
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 

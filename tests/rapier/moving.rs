@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
 use crate::support::{app, global, place, run, set_weights, spawn, truth, velocity};

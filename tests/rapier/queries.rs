@@ -7,7 +7,8 @@ use bevy_rapier3d::parry::query::{
 };
 use bevy_rapier3d::parry::shape::{Ball, Cuboid, Shape, TriMesh};
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::{mesh::MorphMesh, models::random};
+use morph_collision_models::generated::random;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::settle;
 
 use crate::support::{app, ask, global, run, set_weights, spawn, truth};

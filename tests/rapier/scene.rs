@@ -4,7 +4,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{bevy_mesh, body, settle, sheet};
 
 use crate::support::{app, diagnostics, place, population, run};

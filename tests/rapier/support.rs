@@ -13,8 +13,8 @@ use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet};
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::rigid::box_mesh;
+use morph_collision_models::generated::rigid::box_mesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
 use morph_collision_workspace::physics::{self, bevy_mesh, body, settle, sheet, state};
 

@@ -8,7 +8,7 @@ use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_models::gltf::write::{Appearance, to_glb};
 use morph_collision_workspace::heaving::{Game, JUMP, Player, SPEED};
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::offscreen::Offscreen;
@@ -177,7 +177,7 @@ fn a_file_that_is_no_good_ends_the_show_with_its_name() {
 #[test]
 fn a_model_that_does_not_morph_is_refused() {
     let _alone = alone();
-    let rigid = morph_collision_testkit::models::rigid::box_mesh(Vec3::ONE);
+    let rigid = morph_collision_models::generated::rigid::box_mesh(Vec3::ONE);
     let file = std::env::temp_dir().join("morph_collision_controls_rigid.glb");
     std::fs::write(&file, to_glb(&rigid, &Appearance::default()).unwrap()).unwrap();
     let mut show = offscreen(shows::dolphins(&file, 2, true), SIZE);

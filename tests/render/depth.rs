@@ -5,7 +5,7 @@ use bevy::math::Affine3A;
 use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::pass_through_body_at;
+use morph_collision_models::generated::pass_through_body_at;
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::overlay::Overlay;
 

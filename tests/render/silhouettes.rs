@@ -5,8 +5,8 @@ use bevy::math::Affine3A;
 use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{dolphin, pass_through_body_at};
+use morph_collision_models::generated::{dolphin, pass_through_body_at};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::view::stage::StageCamera;
 
 use crate::support::{alone, character, drawn, is_covered, is_drawn, offscreen, scene, skeleton};

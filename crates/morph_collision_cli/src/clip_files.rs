@@ -7,12 +7,12 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
-use morph_collision_testkit::gltf_read::{BorrowedClip, GltfFile, Matched};
-use morph_collision_testkit::memory::{MemoryBudget, OverBudget};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::skeleton::Skeleton;
+use morph_collision_models::gltf::read::{BorrowedClip, GltfFile, Matched};
+use morph_collision_models::memory::{MemoryBudget, OverBudget};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::skeleton::Skeleton;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 use crate::clips::{BrokenClips, ClipChoice, NoClip};
 use crate::error::CliError;

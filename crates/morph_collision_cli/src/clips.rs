@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use morph_collision_testkit::gltf_read::{GltfFile, ReadError};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::skeleton::Skeleton;
+use morph_collision_models::gltf::read::{GltfFile, ReadError};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::skeleton::Skeleton;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
 use crate::model_file::FileArgs;

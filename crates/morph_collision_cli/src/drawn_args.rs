@@ -1,9 +1,9 @@
 //! Which of a file's meshes a command takes: those that a scene draws.
 
 use clap::Args;
-use morph_collision_testkit::gltf_read::{Drawn, Extent, GltfFile};
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::{Drawn, Extent, GltfFile};
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
 use crate::output::{self, counted};

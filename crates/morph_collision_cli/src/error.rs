@@ -4,15 +4,15 @@ use std::io;
 use std::path::PathBuf;
 
 use morph_collision::InputError;
+use morph_collision_models::gltf::read::{ReadError, Remedy};
+use morph_collision_models::gltf::write::WriteError;
+use morph_collision_models::inspect::MeshError;
+use morph_collision_models::mesh::TogetherError;
+use morph_collision_models::scenes::SceneError;
+use morph_collision_models::text::Printable;
 use morph_collision_testkit::bench::NoExperiment;
-use morph_collision_testkit::gltf_read::{ReadError, Remedy};
-use morph_collision_testkit::gltf_write::WriteError;
-use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::moments::AnswerError;
-use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
-use morph_collision_testkit::scenes::SceneError;
-use morph_collision_testkit::together::TogetherError;
 use thiserror::Error;
 
 /// Why a command failed. Names the file and, if there is one, the mesh, frame, body and index.

@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
 

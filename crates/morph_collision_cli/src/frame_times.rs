@@ -1,6 +1,6 @@
 //! The moments of a clip that commands look at.
 
-use morph_collision_testkit::clip::looped;
+use morph_collision_models::clip::looped;
 
 /// The moments of a clip: a given number for each second, and its very end, because a clip may end in a pose that no earlier moment has.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,8 +3,9 @@
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
+use crate::Cli;
 use crate::error::CliError;
-use crate::{Cli, output};
+use crate::output;
 
 const COMPLETIONS_EXAMPLE: &str = "Example:
   morph-collide completions bash > ~/.local/share/bash-completion/completions/morph-collide";
@@ -41,7 +42,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<(), CliError> {
         None => &program,
         Some(name) => {
             let names: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
-            let hint = morph_collision_testkit::nearest::suggestion(name, names.iter().copied());
+            let hint = morph_collision_models::text::suggestion(name, names.iter().copied());
             let found = program.find_subcommand(name);
             found.ok_or_else(|| CliError::Flag {
                 flag: "COMMAND",

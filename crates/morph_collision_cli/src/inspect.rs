@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use morph_collision_testkit::inspect::{FileReport, Summary, SummaryRow};
+use morph_collision_models::inspect::{FileReport, Summary, SummaryRow};
 
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice};
-use crate::{output, progress};
+use crate::output;
+use crate::progress;
 
 const EXAMPLES: &str = "Examples:
   morph-collide inspect face.glb

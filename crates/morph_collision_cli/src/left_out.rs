@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use morph_collision_testkit::left_out::LeftOut;
+use morph_collision_models::left_out::LeftOut;
 use serde::Serialize;
 
 /// What was left out of a mesh.

@@ -7,20 +7,21 @@ use std::{fmt, io};
 
 use clap::Args;
 use morph_collision::ModelError;
-use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
-use morph_collision_testkit::inspect::MeshError;
-use morph_collision_testkit::left_out::LeftOut;
-use morph_collision_testkit::memory::{self, MemoryBudget};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::scenes::Scene;
-use morph_collision_testkit::unweighted::Unweighted;
+use morph_collision_models::gltf::read::{GltfFile, ReadOptions};
+use morph_collision_models::inspect::MeshError;
+use morph_collision_models::left_out::LeftOut;
+use morph_collision_models::memory::{self, MemoryBudget};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::mesh::Unweighted;
+use morph_collision_models::scenes::Scene;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 use crate::drawn_args::note_if_not_drawn;
 use crate::error::CliError;
+use crate::output;
+use crate::progress;
 use crate::told_clips::ToldClips;
-use crate::{output, progress};
 
 /// The name of stdin and stdout on the command line.
 pub(crate) const STANDARD: &str = "-";

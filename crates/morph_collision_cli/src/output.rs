@@ -7,9 +7,9 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use morph_collision_testkit::left_out::LeftOut;
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::printable::{Printable, is_printable};
+use morph_collision_models::left_out::LeftOut;
+use morph_collision_models::text::Grouped;
+use morph_collision_models::text::{Printable, is_printable};
 use serde::Serialize;
 
 use crate::error::CliError;

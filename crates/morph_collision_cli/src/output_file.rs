@@ -8,7 +8,8 @@ use tempfile::NamedTempFile;
 
 use crate::error::CliError;
 use crate::model_file::STANDARD;
-use crate::{output, progress};
+use crate::output;
+use crate::progress;
 
 /// A file to be written at the end of a command and checked at its beginning.
 ///

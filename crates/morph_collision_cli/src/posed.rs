@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{Body, BuildOptions, JointMatrices, MorphBvh, Pose, WorldFromModel};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
 
 use crate::cast::{SetUp, Shape};

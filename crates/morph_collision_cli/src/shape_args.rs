@@ -8,10 +8,10 @@ use std::sync::Arc;
 use clap::Args;
 use glam::Affine3A;
 use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
-use morph_collision_testkit::gltf_read::{GltfFile, LFS_POINTER, is_lfs_pointer};
-use morph_collision_testkit::inspect::MeshError;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::weight_list::{TargetNames, WeightList};
+use morph_collision_models::gltf::read::{GltfFile, LFS_POINTER, is_lfs_pointer};
+use morph_collision_models::inspect::MeshError;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::weight_list::{TargetNames, WeightList};
 
 use crate::clip_files::ClipFiles;
 use crate::clips::{ClipChoice, read_clips};

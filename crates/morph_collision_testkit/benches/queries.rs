@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use morph_collision::{BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, RayQuery};
-use morph_collision_testkit::models::{dolphin, pass_through_body};
+use morph_collision_models::generated::{dolphin, pass_through_body};
 
 use two::{Scene, Two};
 

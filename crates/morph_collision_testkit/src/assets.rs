@@ -1,11 +1,9 @@
 //! Generates the contents of `assets/` at the root of the repository, so that a test can compare them.
 
-use crate::{
-    gltf_write::Appearance,
-    mesh::MorphMesh,
-    models,
-    scenes::{BodyState, Scene, SceneBody, dolphins, pass_through},
-};
+use morph_collision_models::generated;
+use morph_collision_models::gltf::write::Appearance;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::{BodyState, Scene, SceneBody, dolphins, pass_through};
 
 /// Blue-grey.
 const DOLPHIN: Appearance = Appearance {
@@ -25,10 +23,10 @@ const BODY: Appearance = Appearance {
 
 /// The models: file name, mesh and appearance; the small ones first.
 pub fn models() -> impl Iterator<Item = (String, MorphMesh, Appearance)> {
-    let mut dolphins = (0..4).map(|level| (models::dolphin(level), DOLPHIN));
+    let mut dolphins = (0..4).map(|level| (generated::dolphin(level), DOLPHIN));
     let small: Vec<_> = dolphins.by_ref().take(2).collect();
-    let hill = std::iter::once_with(|| (models::heaving_body(), HILL));
-    let body = std::iter::once_with(|| (models::pass_through_body(), BODY));
+    let hill = std::iter::once_with(|| (generated::heaving_body(), HILL));
+    let body = std::iter::once_with(|| (generated::pass_through_body(), BODY));
     small
         .into_iter()
         .chain(hill)

@@ -1,19 +1,7 @@
-//! The library behind the tests, benchmarks, examples and the command-line tool of `morph_collision`.
+//! The laboratory of `morph_collision`: the oracle, the rival methods, the benchmarks and the fuzzing behind its tests and reports.
 //!
-//! It is published because `morph_collision_cli` depends on it. **Its API may change in any release**, including patch releases: name
-//! an exact version if you depend on it. To detect collisions, use `morph_collision` or `bevy_morph_collision` instead.
+//! Its models are those of `morph_collision_models`.
 //!
-//! # Models
-//!
-//! - [`mesh`], [`clip`]: a triangle mesh with morph targets and weight animations, as stored in a file.
-//! - [`skin`], [`skeleton`]: the joints that move a mesh, and their clips.
-//! - [`joined`], [`together`], [`unweighted`]: several meshes as one, and meshes without the vertices that no joint moves.
-//! - [`models`]: generated meshes: a dolphin, the body of the pass-through scene, random, degenerate and rigid meshes.
-//! - [`gltf_read`], [`gltf_write`]: read such meshes from glTF 2.0 files and write them.
-//! - [`weight_list`], [`nearest`]: weights as a person types them, and suggestions for misspelt names.
-//! - [`memory`]: limits the memory that reading a file may take.
-//! - [`inspect`]: reports what the meshes of a file contain.
-//! - [`scenes`]: scripted motion of the models, and the JSON scene format.
 //! - [`assets`]: the models and scenes in the repository's `assets/`.
 //!
 //! # Correctness
@@ -35,11 +23,6 @@
 //! - [`mod@bench`]: times all methods against each other.
 //! - [`tightness`]: how much larger the boxes of a posed tree are than the smallest ones.
 //!
-//! # Output
-//!
-//! - [`printable`]: makes names from files safe to print.
-//! - [`numbers`]: JSON numbers that may not be finite.
-//!
 //! # Features
 //!
 //! - `report` (off by default): the module `report`, and the program `report`, which writes the repository's pages of measurements.
@@ -47,38 +30,20 @@
 
 pub mod assets;
 pub mod bench;
-pub mod clip;
 pub mod determinism;
 pub mod extremes;
 pub mod fuzzing;
-pub mod gltf_read;
-pub mod gltf_write;
-pub mod inspect;
-pub mod joined;
-pub mod left_out;
-pub mod memory;
-pub mod mesh;
-pub mod models;
 pub mod moments;
 pub mod motion;
 pub mod near_degenerate;
-pub mod nearest;
-pub mod numbers;
 pub mod oracle;
-pub mod printable;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod rivals;
-pub mod scenes;
 pub mod search;
-pub mod skeleton;
-pub mod skin;
 pub mod stress;
 pub mod tightness;
-pub mod together;
-pub mod unweighted;
 pub mod verify;
-pub mod weight_list;
 
 /// The README's snippet, run.
 #[cfg(doctest)]

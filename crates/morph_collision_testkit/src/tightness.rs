@@ -6,7 +6,7 @@
 //! ```
 //! use std::sync::Arc;
 //! use morph_collision::{BuildOptions, MorphBvh, Pose};
-//! use morph_collision_testkit::models::dolphin;
+//! use morph_collision_models::generated::dolphin;
 //! use morph_collision_testkit::tightness;
 //!
 //! let model = dolphin(0).to_model()?;
@@ -149,7 +149,7 @@ mod tests {
     use morph_collision::{BuildOptions, MorphBvh};
 
     use super::*;
-    use crate::models::random::random_blob;
+    use morph_collision_models::generated::random::random_blob;
 
     #[test]
     fn fitted_boxes_are_tight_and_blended_ones_are_not() -> Result<(), Box<dyn Error>> {

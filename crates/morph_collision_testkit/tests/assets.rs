@@ -5,7 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use morph_collision_testkit::{assets, gltf_read::read_meshes, gltf_write::to_glb, scenes::Scene};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::gltf::write::to_glb;
+use morph_collision_models::scenes::Scene;
+use morph_collision_testkit::assets;
 
 fn assets_directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets")

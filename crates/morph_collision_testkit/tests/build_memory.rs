@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use morph_collision::{BuildOptions, MorphBvh, MorphModel, SparseTarget};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{dolphin, random, rigs};
+use morph_collision_models::generated::{dolphin, random, rigs};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::moments::real_model;
 use peak_alloc::PeakAlloc;
 

@@ -76,6 +76,7 @@ fn the_changelog_and_all_manifests_name_one_version() -> Outcome {
     for name in [
         "morph_collision",
         "bevy_morph_collision",
+        "morph_collision_models",
         "morph_collision_testkit",
         "morph_collision_cli",
     ] {
@@ -111,7 +112,7 @@ fn the_tables_of_versions_are_true() -> Outcome {
         "README.md",
         "crates/morph_collision/README.md",
         "crates/bevy_morph_collision/README.md",
-        "crates/morph_collision_testkit/README.md",
+        "crates/morph_collision_models/README.md",
         "crates/morph_collision_cli/README.md",
     ];
     for path in readmes {
@@ -164,10 +165,10 @@ fn versions_to_type_are_true() -> Outcome {
         programs += 1;
     }
     assert!(programs >= 2, "{programs} programs name the version");
-    let testkit = read("crates/morph_collision_testkit/README.md")?;
+    let models = read("crates/morph_collision_models/README.md")?;
     assert!(
-        testkit.contains(&format!("(`={own}`)")),
-        "the test kit's README names its exact version"
+        models.contains(&format!("(`={own}`)")),
+        "the README of the models names their exact version"
     );
     Ok(())
 }

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use glam::Vec3;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::oracle::posed_vertices;
 

@@ -3,11 +3,9 @@
 use std::{error::Error, sync::Arc};
 
 use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, TrianglePair, WorldFromModel};
-use morph_collision_testkit::{
-    mesh::MorphMesh,
-    models,
-    scenes::{dolphins, pass_through},
-};
+use morph_collision_models::generated;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::{dolphins, pass_through};
 
 fn poses(mesh: &MorphMesh, count: usize) -> Result<Vec<Pose>, Box<dyn Error>> {
     let bvh = Arc::new(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default()));
@@ -16,7 +14,7 @@ fn poses(mesh: &MorphMesh, count: usize) -> Result<Vec<Pose>, Box<dyn Error>> {
 
 #[test]
 fn passing_bodies_touch_from_step_41_to_step_364() -> Result<(), Box<dyn Error>> {
-    let [mut a, mut b] = <[Pose; 2]>::try_from(poses(&models::pass_through_body(), 2)?)
+    let [mut a, mut b] = <[Pose; 2]>::try_from(poses(&generated::pass_through_body(), 2)?)
         .map_err(|poses| format!("{} poses", poses.len()))?;
     let mut query = PairQuery::new();
     for step in 0..pass_through::STEPS {
@@ -33,7 +31,7 @@ fn passing_bodies_touch_from_step_41_to_step_364() -> Result<(), Box<dyn Error>>
 #[test]
 fn swimming_dolphins_touch_now_and_then_with_fins_and_tails() -> Result<(), Box<dyn Error>> {
     const BODY_TRIANGLES: u32 = 432;
-    let mut poses = poses(&models::dolphin(0), dolphins::COUNT)?;
+    let mut poses = poses(&generated::dolphin(0), dolphins::COUNT)?;
     let mut query = PairQuery::new();
     let (mut touching, mut bodies_touching, mut frames_without) = (0, 0, 0);
     for frame in 0..dolphins::FRAMES {

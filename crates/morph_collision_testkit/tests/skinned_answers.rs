@@ -6,9 +6,9 @@ use std::path::Path;
 
 use glam::Affine3A;
 use morph_collision::BuildOptions;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::rigs;
+use morph_collision_models::generated::rigs;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::verify::{Counts, LEAF_SIZES, Meshes, Reproduction, Situation, Trees, verify};
 
@@ -104,7 +104,7 @@ fn any_number_of_influences_is_answered_right() -> Result<(), Box<dyn Error>> {
 fn a_skinned_body_and_one_without_a_skin_are_answered_right() -> Result<(), Box<dyn Error>> {
     let (rig, dolphin) = (
         rigs::branching(11, 8, 4, 3),
-        morph_collision_testkit::models::dolphin(0),
+        morph_collision_models::generated::dolphin(0),
     );
     assert_right([&rig, &dolphin], 15, 1)?;
     assert_right([&dolphin, &rig], 15, 2)?;

@@ -8,7 +8,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierContextSimulation};
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use super::stage::Stage;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 use morph_collision_workspace::app::headless;
 
 /// Two bodies, and how they move.

@@ -1,7 +1,7 @@
 //! Bodies that fall into a waving bowl: how many fall through.
 
 use bevy::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::report::Table;
 use morph_collision_workspace::outcome::progress_bar;
 use morph_collision_workspace::physics::drops::{Drop, batch_of_drops, bowl, fates, waves};

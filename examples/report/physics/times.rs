@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use bevy::prelude::*;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::bench::median;
-use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::report::Table;
 use morph_collision_workspace::outcome::progress_bar;
 use morph_collision_workspace::physics::drops::Kind;

@@ -9,7 +9,7 @@ use bevy_morph_collision::morph_collision::Body;
 use bevy_morph_collision::morph_collision::JointMatrices;
 use bevy_morph_collision::morph_collision::Pose;
 use bevy_morph_collision::morph_collision::WorldFromModel;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::drawn::{self, Part};
 
 /// The state in which collisions see one collider.

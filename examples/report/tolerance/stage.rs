@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::crowd::root_of;
 use morph_collision_workspace::drawn::{self, Part};
 use morph_collision_workspace::instances::{Instances, in_crowd};

@@ -10,8 +10,8 @@ use std::path::Path;
 use bevy::gltf::Gltf;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
-use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
-use morph_collision_testkit::inspect::{FileReport, MeshReport};
+use morph_collision_models::gltf::read::{GltfFile, ReadOptions};
+use morph_collision_models::inspect::{FileReport, MeshReport};
 
 pub use self::inbox::{Inbox, Judged, Verdict};
 use crate::app::is_loaded;

@@ -9,7 +9,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::TrianglePair;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, Wanted};
 
 use super::{Accepted, Verdict};

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use bevy::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use super::drops::Kind;
 use super::engine::{Engine, PoseSurface};

@@ -1,7 +1,7 @@
 //! Bodies that fall into a waving bowl.
 
 use bevy::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

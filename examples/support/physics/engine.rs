@@ -1,7 +1,7 @@
 //! What the physics engines have in common in tests and reports.
 
 use bevy::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use super::drops::Kind;
 

@@ -19,7 +19,8 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
+use morph_collision_models::generated::rigid;
+use morph_collision_models::mesh::MorphMesh;
 
 pub use rivals::{Method, blend};
 

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::plugin::context::RapierContextColliders;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use super::drops::Kind;
 use super::engine::{Engine, PoseSurface};

@@ -2,8 +2,8 @@
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::pass_through_body_at;
+use morph_collision_models::generated::pass_through_body_at;
+use morph_collision_models::mesh::MorphMesh;
 
 use super::models::with_normals;
 

@@ -9,7 +9,7 @@ use bevy::gltf::Gltf;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::scenes::dolphins::phase;
+use morph_collision_models::scenes::dolphins::phase;
 
 use super::clock::{Clock, Pending, Trouble, started};
 use super::models::{Plays, scene};

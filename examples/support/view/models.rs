@@ -12,15 +12,15 @@ use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::morph_collision::MorphBvh;
 use bevy_morph_collision::morph_collision::Pose;
-use morph_collision_testkit::gltf_read::{self, ReadError};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::topology::components;
+use morph_collision_models::generated::topology::components;
+use morph_collision_models::gltf::read::{ReadError, parse_meshes};
+use morph_collision_models::mesh::MorphMesh;
 
 use super::clock::{Pending, Trouble, started};
 use crate::app::first_line;
 use crate::physics::bevy_mesh;
 
-/// A glTF file's meshes, each in its own space, as the test kit reads them.
+/// A glTF file's meshes, each in its own space, as `morph_collision_models` reads them.
 #[derive(Asset, TypePath, Debug)]
 pub struct Model {
     /// The meshes, in file order.
@@ -42,7 +42,7 @@ impl AssetLoader for ModelLoader {
             path: path.clone(),
             source,
         })?;
-        let meshes = gltf_read::parse_meshes(&bytes, &path)?;
+        let meshes = parse_meshes(&bytes, &path)?;
         Ok(Model { meshes })
     }
 

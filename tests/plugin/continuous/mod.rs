@@ -14,7 +14,7 @@ mod ways;
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 
 use crate::support::{Messages, add_mesh, app, cube, settle, spawn};
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

@@ -3,7 +3,7 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::models::rigid;
+use morph_collision_models::generated::rigid;
 
 use super::{HALF, Range, make_continuous};
 use crate::support::{add_mesh, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches};

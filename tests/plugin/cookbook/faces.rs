@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::posed_vertices;
 
 use super::programs::face_zones::{Shot, game};

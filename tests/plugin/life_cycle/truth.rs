@@ -7,7 +7,7 @@ use bevy::math::{Affine3A, DVec3};
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
 
 use super::{Zoo, intersecting_pairs};

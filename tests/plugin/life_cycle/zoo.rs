@@ -6,8 +6,8 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::random::{random_blob, triangle_soup};
+use morph_collision_models::generated::random::{random_blob, triangle_soup};
+use morph_collision_models::mesh::MorphMesh;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

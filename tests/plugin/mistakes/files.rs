@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
 use bevy_morph_collision::import::MorphTreeProgress;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_models::gltf::write::{Appearance, to_glb};
 use morph_collision_workspace::app::update_until;
 
 use super::{PATIENCE, files, load, only_warning, run, says, spawn_scene, warning_about, with_app};

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::write::{Appearance, to_glb};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, update_until};
 
 use crate::log::{Errors, start};

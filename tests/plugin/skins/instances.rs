@@ -3,7 +3,7 @@
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 use super::{add, along_x, boned, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::support::{Messages, add_mesh, app, cube, diagnostics, settle, spawn, touches};

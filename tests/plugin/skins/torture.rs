@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::MorphBvh;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::{InfluenceSet, MorphMesh};
+use morph_collision_models::mesh::{InfluenceSet, MorphMesh};
 use morph_collision_testkit::oracle::{intersecting_pairs, posed_vertices, skinned_vertices, world_vertices};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -228,10 +228,10 @@ fn posed_vertices_and_bounds_are_those_of_the_pose() {
 #[test]
 fn hits_have_the_texture_coordinates_of_the_mesh() {
     let mut app = app();
-    let square = morph_collision_testkit::mesh::MorphMesh {
+    let square = morph_collision_models::mesh::MorphMesh {
         targets: vec![vec![Vec3::Z; 4]],
         target_names: vec!["lift".into()],
-        ..morph_collision_testkit::mesh::MorphMesh::rigid(
+        ..morph_collision_models::mesh::MorphMesh::rigid(
             "square",
             vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
             vec![[0, 1, 2], [0, 2, 3]],

@@ -5,8 +5,8 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_morph_collision::spatial::MorphRayHit;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle;
 
 use super::{any, ask};

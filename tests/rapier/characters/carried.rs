@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, settle, sheet};
 
 use super::{OFFSET, STANDING, character, ground, is_grounded, move_by, on_sheet, ride, sliding, walk, walk_once};

@@ -81,7 +81,7 @@ fn a_character_in_the_air_is_not_grounded_and_leaves_nothing_behind() {
 fn a_character_stands_on_others_but_not_on_itself() {
     // Two characters. Each is inside its own box, which is a surface on its body.
     let mut app = app();
-    let mut cube = morph_collision_testkit::models::rigid::box_mesh(Vec3::splat(0.45));
+    let mut cube = morph_collision_models::generated::rigid::box_mesh(Vec3::splat(0.45));
     cube.targets = vec![vec![Vec3::X; cube.positions.len()]];
     let [one, other] =
         [0.0, 0.5].map(|x| character(&mut app, Vec3::new(x, 5.0, 0.0), RigidBody::KinematicPositionBased));

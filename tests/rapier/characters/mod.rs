@@ -7,7 +7,7 @@ mod velocity;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, settle, sheet};
 
 use crate::support::{app, place, set_weights, spawn};
@@ -85,7 +85,7 @@ fn ride(app: &mut App, surface: Entity, walker: Entity, speed: Vec2, frames: usi
 
 /// A level sheet of this size. Its only target moves it along `+X`.
 fn sliding(size: f32) -> MorphMesh {
-    let mut mesh = morph_collision_testkit::models::rigid::grid(size, 8);
+    let mut mesh = morph_collision_models::generated::rigid::grid(size, 8);
     mesh.targets = vec![vec![Vec3::X; mesh.positions.len()]];
     mesh
 }

@@ -5,7 +5,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::MorphRapierVelocity;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 

@@ -7,7 +7,7 @@ mod told;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{body, settle};
 
 use crate::support::{app, place, run, slab, slab_cut, spawn};

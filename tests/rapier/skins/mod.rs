@@ -19,9 +19,9 @@ use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
-use morph_collision_testkit::mesh::{InfluenceSet, MeshSkin, MorphMesh};
+use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};
+use morph_collision_models::skeleton::Skeleton;
 use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices};
-use morph_collision_testkit::skeleton::Skeleton;
 use morph_collision_workspace::physics::bevy_mesh;
 
 use crate::support::{app, global};

@@ -6,8 +6,8 @@ mod sides;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::rigid::box_mesh;
+use morph_collision_models::generated::rigid::box_mesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, body, settle};
 
 use crate::support::{app, place, run, set_weights, slab, spawn, velocity};

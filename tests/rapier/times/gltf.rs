@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::clip::WeightAnimation;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
+use morph_collision_models::clip::WeightAnimation;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
 use morph_collision_workspace::app::{load_gltf, update_until};
 use morph_collision_workspace::physics::{body, settle, sheet};
 

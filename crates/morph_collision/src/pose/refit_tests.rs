@@ -127,8 +127,8 @@ fn assert_tight(posed: &mut Posed<'_>, about: &str) {
 #[test]
 fn every_box_is_tight_at_the_base_and_at_each_target() {
     let meshes = [
-        morph_collision_testkit::models::dolphin(0),
-        morph_collision_testkit::models::random::random_blob(3, 3, 5, 0.5),
+        morph_collision_models::generated::dolphin(0),
+        morph_collision_models::generated::random::random_blob(3, 3, 5, 0.5),
     ];
     for mesh in meshes {
         let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::Simd;
 use glam::Vec3;
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;

@@ -183,7 +183,7 @@ fn a_weight_just_above_one_loosens_a_box_by_next_to_nothing() {
 
 #[test]
 fn debug_output_has_counts_and_no_mesh() {
-    let mesh = morph_collision_testkit::models::random::random_blob(3, 4, 2, 0.5);
+    let mesh = morph_collision_models::generated::random::random_blob(3, 4, 2, 0.5);
     let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
     let bvh = MorphBvh::build(Arc::new(model), &BuildOptions::default());
     let layout = format!("{:?}", bvh.layout());

@@ -90,7 +90,7 @@ impl SelfProof {
 mod tests {
     use std::sync::Arc;
 
-    use morph_collision_testkit::models::random::random_blob;
+    use morph_collision_models::generated::random::random_blob;
 
     use super::*;
     use crate::model::{MorphModel, WeightBox};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
 
 use crate::bounds::Aabb;
 use crate::model::MorphModel;

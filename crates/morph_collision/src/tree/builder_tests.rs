@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
+use morph_collision_models::mesh::MorphMesh;
 
 use super::builder::STEP;
 use super::*;

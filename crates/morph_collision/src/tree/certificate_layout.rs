@@ -157,7 +157,7 @@ fn apart(topology: &Topology, (node, lane, group, mask): (u32, u8, u32, u8)) -> 
 
 #[cfg(test)]
 mod tests {
-    use morph_collision_testkit::models::random::random_blob;
+    use morph_collision_models::generated::random::random_blob;
 
     use super::*;
     use crate::model::MorphModel;

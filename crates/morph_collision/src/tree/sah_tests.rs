@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

@@ -153,7 +153,7 @@ mod tests {
     use std::sync::Arc;
 
     use glam::Vec3;
-    use morph_collision_testkit::models::random::{random_blob, triangle_soup};
+    use morph_collision_models::generated::random::{random_blob, triangle_soup};
 
     use super::*;
     use crate::bounds::{LANES, lanes_of};

@@ -1,13 +1,13 @@
 use std::sync::Arc;
 
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
 
 use super::validate_tests::validate;
 use super::*;
 use crate::input_error::InputError;
 use crate::model::MorphModel;
 
-fn model_of(mesh: &morph_collision_testkit::mesh::MorphMesh) -> Arc<MorphModel> {
+fn model_of(mesh: &morph_collision_models::mesh::MorphMesh) -> Arc<MorphModel> {
     Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap())
 }
 

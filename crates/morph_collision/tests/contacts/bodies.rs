@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
 use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle;
 
 /// A posed mesh with a transform.

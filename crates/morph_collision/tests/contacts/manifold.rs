@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{BuildOptions, ContactQuery, Manifold, PairQuery, TrianglePair, triangle_contact};
-use morph_collision_testkit::models::{dolphin, random, rigid};
+use morph_collision_models::generated::{dolphin, random, rigid};
 use morph_collision_testkit::oracle;
 
 use crate::bodies::{Placed, assorted, at};

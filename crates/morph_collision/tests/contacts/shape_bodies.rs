@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{BuildOptions, PlacedShape, Shape, ShapeContact, ShapeQuery};
-use morph_collision_testkit::models::random;
+use morph_collision_models::generated::random;
 use morph_collision_testkit::oracle;
 
 use crate::bodies::{Placed, assorted, at};

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use morph_collision::motion::{Features, LimitReached, MotionQuery, MovingPoint, edge_edge_impact, vertex_face_impact};
 use morph_collision::{BuildOptions, MorphBvh, Pose, WorldFromModel};
+use morph_collision_models::generated::random::random_blob;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::extremes::{Extreme, extremes};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::random::random_blob;
 
 use super::bodies::{Step, TOLERANCE};
 

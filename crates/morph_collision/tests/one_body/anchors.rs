@@ -55,7 +55,7 @@ fn an_anchor_from_a_hit_or_a_projection_is_at_its_point_and_follows_it() {
 
 #[test]
 fn an_anchor_on_no_triangle_is_nowhere_and_one_without_area_has_no_frame() {
-    let mesh = morph_collision_testkit::models::degenerate::zero_area(2, 6);
+    let mesh = morph_collision_models::generated::degenerate::zero_area(2, 6);
     let case = bodies::Case::new("zero area", mesh, vec![0.0], Affine3A::IDENTITY);
     let mut pose = case.poses().swap_remove(0);
     let place = WorldFromModel::IDENTITY;

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
 use morph_collision::{BuildOptions, MorphBvh, Pose, WorldFromModel};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::oracle;
 

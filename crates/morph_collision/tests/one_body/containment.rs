@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use morph_collision::{BuildOptions, MorphBvh, Pose};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::verify::check_containment;
 use proptest::prelude::*;
 

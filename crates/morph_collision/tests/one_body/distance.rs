@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use morph_collision::{Body, ClosestPair, DistanceQuery};
-use morph_collision_testkit::models::{degenerate, random};
+use morph_collision_models::generated::{degenerate, random};
 
 use crate::bodies::{self, Case};
 use crate::reference::{Corners, point_triangle, touch, triangles as triangle_distance};

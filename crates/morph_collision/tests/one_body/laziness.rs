@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{Aabb, Body, ConvexRegion, DistanceQuery, Pose, QueryStats, Ray, RayQuery, ShapeQuery};
-use morph_collision_testkit::models::dolphin;
+use morph_collision_models::generated::dolphin;
 
 use crate::bodies::Case;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use morph_collision::{Body, Facing, Rank, Ray, RayHit, RayQuery};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle;
 
 use crate::bodies::{self, Case, Random, box_around, snap};
@@ -146,7 +146,7 @@ fn hits_agree_with_the_oracle_on_real_models() {
 /// A closed surface has no holes: from inside, a ray aimed at any corner or edge hits a triangle.
 #[test]
 fn no_ray_leaves_a_closed_surface_unseen() {
-    let blob = morph_collision_testkit::models::random::random_blob(3, 2, 2, 0.0);
+    let blob = morph_collision_models::generated::random::random_blob(3, 2, 2, 0.0);
     for (name, place) in bodies::odd_places().into_iter().take(4) {
         let case = Case::new(name, blob.clone(), vec![0.05, -0.05], place);
         let triangles = case.world_triangles();
@@ -262,7 +262,7 @@ fn hits_where_the_ray_starts_are_at_zero_in_the_order_of_triangles() {
 /// Triangles with the same corners in another order, and triangles with a common edge or corner, are at the same distance.
 #[test]
 fn hits_at_the_same_point_come_in_the_order_of_triangles() {
-    let blob = morph_collision_testkit::models::random::random_blob(3, 1, 2, 0.0);
+    let blob = morph_collision_models::generated::random::random_blob(3, 1, 2, 0.0);
     let turned = |[a, b, c]: [u32; 3]| [[a, b, c], [c, a, b], [b, a, c], [c, b, a]];
     let triangles = blob.triangles.iter().flat_map(|corners| turned(*corners));
     let mesh = MorphMesh {

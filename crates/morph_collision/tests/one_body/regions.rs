@@ -168,7 +168,7 @@ fn all_of_space_holds_everything_and_contradictions_hold_nothing() {
 
 #[test]
 fn half_spaces_that_share_only_a_plane_hold_what_touches_it() {
-    let mesh = morph_collision_testkit::models::degenerate::coplanar_sheets(3, 2);
+    let mesh = morph_collision_models::generated::degenerate::coplanar_sheets(3, 2);
     let count = mesh.triangles.len() as u32;
     let case = Case::new("sheets", mesh, vec![0.0], glam::Affine3A::IDENTITY);
     let mut poses = case.poses();

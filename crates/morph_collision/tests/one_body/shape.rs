@@ -86,8 +86,8 @@ fn normals_are_means_by_area_in_model_and_world_space() {
 
 #[test]
 fn seams_share_one_normal() {
-    let dolphin = morph_collision_testkit::models::dolphin(0);
-    let split = morph_collision_testkit::models::degenerate::duplicated_vertices(&dolphin);
+    let dolphin = morph_collision_models::generated::dolphin(0);
+    let split = morph_collision_models::generated::degenerate::duplicated_vertices(&dolphin);
     let [mut whole, mut split_pose] = [&dolphin, &split].map(|mesh| {
         bodies::Case::new("dolphin", mesh.clone(), vec![0.5, 0.0], glam::Affine3A::IDENTITY)
             .poses()
@@ -103,7 +103,7 @@ fn seams_share_one_normal() {
 
 #[test]
 fn a_vertex_without_area_has_no_normal() {
-    let mesh = morph_collision_testkit::models::degenerate::all_equal(4);
+    let mesh = morph_collision_models::generated::degenerate::all_equal(4);
     let case = bodies::Case::new("all equal", mesh, vec![1.0], glam::Affine3A::IDENTITY);
     let mut pose = case.poses().swap_remove(0);
     let mut normals = Vec::new();

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{Affine3A, Vec3};
 use morph_collision::{Body, DistanceQuery, SelfDistanceQuery, WorldFromModel};
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
 
 use crate::bodies::{self, Case};
 use crate::reference::{Corners, touch, triangles as triangle_distance};

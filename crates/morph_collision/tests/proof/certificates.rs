@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use morph_collision::proof::{Effort, ProofOutcome, SelfProof, WeightBox};
 use morph_collision::{BuildOptions, InputError, LayoutError, MorphBvh, Pose, QueryStats, SelfQuery, TrianglePair};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::random::{random_blob, triangle_soup};
+use morph_collision_models::generated::random::{random_blob, triangle_soup};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

@@ -1,10 +1,10 @@
 //! Nothing that is proved free touches, and nothing is found that does not.
 
 use morph_collision::proof::{SelfProof, WeightBox};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::dolphin;
-use morph_collision_testkit::models::random::{random_blob, triangle_soup};
+use morph_collision_models::generated::dolphin;
+use morph_collision_models::generated::random::{random_blob, triangle_soup};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use morph_collision::proof::{Effort, ProofOutcome, SelfProof, WeightBox};
 use morph_collision::{BuildOptions, MorphBvh, MorphModel, Pose, SelfQuery, TrianglePair};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 

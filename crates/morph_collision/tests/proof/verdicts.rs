@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use morph_collision::proof::{Effort, SelfProof, WeightBox};
 use morph_collision::{InputError, TrianglePair};
-use morph_collision_testkit::models::rigs::tube;
+use morph_collision_models::generated::rigs::tube;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

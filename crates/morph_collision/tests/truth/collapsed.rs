@@ -8,8 +8,8 @@ use morph_collision::{
     Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, SelfQuery,
     TrianglePair, WorldFromModel,
 };
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{dolphin, random};
+use morph_collision_models::generated::{dolphin, random};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{intersecting_pairs, point_distance, posed_vertices, world_vertices};
 
 const SCALES: [f32; 14] = [

@@ -4,9 +4,9 @@ use glam::{Affine3A, Quat, Vec3};
 use morph_collision::{
     Body, BuildOptions, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
 };
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{dolphin, random};
-use morph_collision_testkit::scenes::dolphins;
+use morph_collision_models::generated::{dolphin, random};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::dolphins;
 
 /// Frames of two bodies of one mesh: each body's weights and transform.
 type Frames = Vec<[(Vec<f32>, Affine3A); 2]>;

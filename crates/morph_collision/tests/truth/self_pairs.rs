@@ -2,9 +2,9 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{Aabb, BuildOptions, MorphBvh, Pose, SelfQuery};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_models::generated::{degenerate, dolphin, random};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle;
 
 use morph_collision_testkit::moments::real_model;

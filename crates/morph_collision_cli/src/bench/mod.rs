@@ -14,13 +14,14 @@ use morph_collision_testkit::bench::{self, Disagreement, Entrant, Pinned, Plan, 
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::{MethodOptions, Wanted};
 
+use crate::Verdict;
 use crate::error::CliError;
 use crate::methods;
 use crate::model_file::FileArgs;
+use crate::output;
 use crate::paper_options::PaperArgs;
 use crate::progress::{self, Steps};
 use crate::tree_options::TreeArgs;
-use crate::{Verdict, output};
 use report::BenchReport;
 use scenes::BenchScene;
 

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use morph_collision::Kernel;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::number;
 use morph_collision_testkit::bench::{self, Entrant, Row};
-use morph_collision_testkit::numbers::number;
-use morph_collision_testkit::printable::Printable;
 use serde::Serialize;
 
 use super::{Measured, Mode};

@@ -5,12 +5,12 @@ use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
 use glam::Affine3A;
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::memory::MemoryBudget;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::memory::MemoryBudget;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::SceneBody;
+use morph_collision_models::skeleton::Skeleton;
 use morph_collision_testkit::rivals::SetUpError;
-use morph_collision_testkit::scenes::SceneBody;
-use morph_collision_testkit::skeleton::Skeleton;
 
 use super::SetUp;
 use crate::clip_files::ClipFiles;

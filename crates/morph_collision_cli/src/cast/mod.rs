@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Affine3A;
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::Scene;
+use morph_collision_models::skeleton::Skeleton;
+use morph_collision_models::weight_list::TargetNames;
 use morph_collision_testkit::rivals::{SetUpError, WeightLimits};
-use morph_collision_testkit::scenes::Scene;
-use morph_collision_testkit::skeleton::Skeleton;
-use morph_collision_testkit::weight_list::TargetNames;
 
 use crate::error::CliError;
 use crate::model_file::FileArgs;
@@ -96,7 +96,7 @@ impl<B> Cast<B> {
 
         progress::doing("checking the scene's frames");
         let frames = frames(path, scene, &mut library, &of_bodies)?;
-        let name = |(body, spec): (usize, &morph_collision_testkit::scenes::SceneBody)| {
+        let name = |(body, spec): (usize, &morph_collision_models::scenes::SceneBody)| {
             let name = spec.name.clone();
             name.unwrap_or_else(|| library.meshes[of_bodies[body]].name.clone())
         };

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::WorldFromModel;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes;
+use morph_collision_models::weight_list::{TargetNames, WeightList};
 use morph_collision_testkit::rivals::WeightLimits;
-use morph_collision_testkit::scenes;
-use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 
 use crate::clips::ClipChoice;
 

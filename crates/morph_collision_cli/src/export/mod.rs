@@ -12,12 +12,12 @@ mod text_formats;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::gltf_write::to_glb_of_parts;
-use morph_collision_testkit::memory::MemoryBudget;
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::scenes::{BodyState, Scene};
-use morph_collision_testkit::weight_list::{TargetNames, WeightList};
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::gltf::write::to_glb_of_parts;
+use morph_collision_models::memory::MemoryBudget;
+use morph_collision_models::scenes::{BodyState, Scene};
+use morph_collision_models::text::Grouped;
+use morph_collision_models::weight_list::{TargetNames, WeightList};
 use serde::Serialize;
 
 use crate::cast::Cast;

@@ -1,8 +1,8 @@
 //! Posed bodies as one coloured surface.
 
 use glam::DVec3;
-use morph_collision_testkit::gltf_write::Appearance;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::write::Appearance;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::BodyPose;
 
 use crate::cast::Cast;

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-use morph_collision_testkit::gltf_read::{LFS_POINTER, is_lfs_pointer};
+use morph_collision_models::gltf::read::{LFS_POINTER, is_lfs_pointer};
 use serde::{Deserialize, Serialize};
 
 use super::members::MeshTriangles;

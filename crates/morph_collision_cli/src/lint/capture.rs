@@ -3,10 +3,10 @@
 use std::io::Read;
 use std::path::Path;
 
-use morph_collision_testkit::gltf_read::{LFS_POINTER, is_lfs_pointer};
-use morph_collision_testkit::memory::MemoryBudget;
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::{LFS_POINTER, is_lfs_pointer};
+use morph_collision_models::memory::MemoryBudget;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
 

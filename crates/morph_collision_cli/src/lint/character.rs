@@ -3,10 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use glam::Affine3A;
-use morph_collision_testkit::gltf_read::{Drawn, GltfFile};
-use morph_collision_testkit::mesh::{InfluenceSet, MeshSkin, MorphMesh};
-use morph_collision_testkit::skeleton::Skeleton;
-use morph_collision_testkit::together::Together;
+use morph_collision_models::gltf::read::{Drawn, GltfFile};
+use morph_collision_models::mesh::Together;
+use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};
+use morph_collision_models::skeleton::Skeleton;
 
 use super::LintArgs;
 use super::members::Member;

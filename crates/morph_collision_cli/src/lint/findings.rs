@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use glam::Affine3A;
-use morph_collision_testkit::memory::{MemoryBudget, OverBudget};
+use morph_collision_models::memory::{MemoryBudget, OverBudget};
 
 use super::poses::Tried;
 use super::regions::Region;

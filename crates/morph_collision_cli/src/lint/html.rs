@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::io;
 
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Grouped;
+use morph_collision_models::text::Printable;
 
 use super::picture;
 use super::report::{FindingReport, LintReport, MeshReport};

@@ -3,9 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
-use morph_collision_testkit::memory;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::{GltfFile, ReadOptions};
+use morph_collision_models::memory;
+use morph_collision_models::text::Printable;
 
 use super::{EFFORT, LintArgs, MIXTURES, SEED, html, report_of};
 use crate::error::CliError;

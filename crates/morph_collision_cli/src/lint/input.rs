@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;

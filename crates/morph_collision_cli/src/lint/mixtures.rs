@@ -73,9 +73,9 @@ fn near(rng: &mut Pcg64Mcg, mut weights: Vec<f32>) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use morph_collision_testkit::clip::WeightAnimation;
+    use morph_collision_models::clip::WeightAnimation;
 
-    use morph_collision_testkit::mesh::MorphMesh;
+    use morph_collision_models::mesh::MorphMesh;
 
     use super::*;
     use crate::clips::ClipChoice;

@@ -32,17 +32,18 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::text::Printable;
 
+use crate::Verdict;
 use crate::depth::ThresholdArgs;
 use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, STANDARD};
+use crate::output;
 use crate::output_file::OutputFile;
 use crate::scene::fps;
 use crate::tree_options::TreeArgs;
-use crate::{Verdict, output};
 use baseline::Baseline;
 use report::LintReport;
 

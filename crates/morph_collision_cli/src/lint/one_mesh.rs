@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::joined::JoinError;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::skeleton::Skeleton;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::mesh::JoinError;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::skeleton::Skeleton;
+use morph_collision_models::text::Printable;
 
 use super::LintArgs;
 use super::members::Member;

@@ -1,8 +1,8 @@
 //! The shapes to try: single targets, pairs of targets, clips, captures, expressions and random mixtures.
 
 use glam::Affine3A;
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::text::Printable;
 
 use super::capture::Capture;
 use super::mixtures::Mixtures;

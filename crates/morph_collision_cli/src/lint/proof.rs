@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use morph_collision::proof::{Effort, ProofOutcome, SelfProof, WeightBox};
 use morph_collision::{InputError, MorphBvh};
-use morph_collision_testkit::numbers::Grouped;
+use morph_collision_models::text::Grouped;
 use serde::Serialize;
 
 use super::search::in_order;

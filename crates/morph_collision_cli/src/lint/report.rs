@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::numbers::{Grouped, number};
-use morph_collision_testkit::weight_list::WeightList;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::text::{Grouped, number};
+use morph_collision_models::weight_list::WeightList;
 use serde::Serialize;
 
 use super::findings::Finding;

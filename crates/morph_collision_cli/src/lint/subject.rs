@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use morph_collision_testkit::gltf_read::{Expression, GltfFile};
-use morph_collision_testkit::mesh::{MorphMesh, WeightAnimation};
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::clip::WeightAnimation;
+use morph_collision_models::gltf::read::{Expression, GltfFile};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::text::Printable;
 use serde::Serialize;
 
 use super::members::Member;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Grouped;
+use morph_collision_models::text::Printable;
 
 use super::report::{LintReport, MeshReport};
 use super::search::MOST_PAIRS;

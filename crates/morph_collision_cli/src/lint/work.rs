@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use morph_collision::MorphBvh;
 use morph_collision::proof::Effort;
-use morph_collision_testkit::gltf_read::GltfFile;
-use morph_collision_testkit::inspect::MeshError;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::inspect::MeshError;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::text::Printable;
 use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
@@ -29,7 +29,8 @@ use super::subject::Subject;
 use super::suggest::{Suggestion, suggest};
 use crate::error::CliError;
 use crate::model_file::count_memory;
-use crate::{output, progress};
+use crate::output;
+use crate::progress;
 
 /// More threads do not help, and each has a pose.
 const MOST_THREADS: usize = 64;
@@ -185,7 +186,7 @@ impl Lint<'_> {
         };
         let findings = &mut self.findings;
         let refused = |shape: &Tried, reason| refused(self.args, self.index, mesh, shape_words(shape, mesh), reason);
-        let over = |over: morph_collision_testkit::memory::OverBudget| CliError::Mesh {
+        let over = |over: morph_collision_models::memory::OverBudget| CliError::Mesh {
             file: self.args.model.clone(),
             mesh: self.index,
             name: mesh.name.clone(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use morph_collision::QueryStats;
 use morph_collision::motion::{LimitReached, MotionContact, MotionQuery, MovingBody};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::SetUpError;
 
 use crate::cast::{Cast, SetUp};

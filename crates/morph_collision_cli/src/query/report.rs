@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use morph_collision::{ClosestPoint, Facing, QueryStats, RayHit, TrianglePair};
-use morph_collision_testkit::numbers::{number, numbers};
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::{number, numbers};
 use serde::Serialize;
 
 use crate::shape_args::ShapedMesh;

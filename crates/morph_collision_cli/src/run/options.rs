@@ -1,7 +1,7 @@
 //! The method that finds pairs, and how its trees are built.
 
 use clap::Args;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, SetUpError};
 
 use super::Mode;

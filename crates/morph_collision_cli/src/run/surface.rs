@@ -4,17 +4,18 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use morph_collision::{ClosestPair, ContactQuery, DistanceQuery, Manifold, QueryStats, overlapping_pairs};
-use morph_collision_testkit::numbers::{number, numbers};
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::{number, numbers};
 use serde::Serialize;
 
 use super::{Mode, RunArgs};
 use crate::cast::Cast;
 use crate::error::CliError;
+use crate::output;
 use crate::output::counted;
 use crate::output_file::OutputFile;
 use crate::posed::Posed;
-use crate::{output, progress};
+use crate::progress;
 
 /// The bodies of a scene with this project's trees.
 type Surfaces = Cast<Vec<Posed>>;

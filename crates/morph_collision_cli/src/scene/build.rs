@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use morph_collision_testkit::gltf_read::{Drawn, Extent, GltfFile};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
-use morph_collision_testkit::skeleton::Skeleton;
+use morph_collision_models::gltf::read::{Drawn, Extent, GltfFile};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
+use morph_collision_models::skeleton::Skeleton;
+use morph_collision_models::text::Printable;
 
 use crate::clip_files::ClipFiles;
 use crate::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};

@@ -10,9 +10,9 @@ mod place;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use morph_collision_testkit::memory::MemoryBudget;
-use morph_collision_testkit::scenes::{BodyState, Scene};
-use morph_collision_testkit::weight_list::{TargetNames, WeightList};
+use morph_collision_models::memory::MemoryBudget;
+use morph_collision_models::scenes::{BodyState, Scene};
+use morph_collision_models::weight_list::{TargetNames, WeightList};
 
 use crate::clip_files::ClipFiles;
 use crate::clips::NoClip;

@@ -3,9 +3,9 @@
 use std::str::FromStr;
 
 use glam::{Quat, Vec3};
-use morph_collision_testkit::nearest::suggestion;
-use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::scenes::BodyState;
+use morph_collision_models::scenes::BodyState;
+use morph_collision_models::text::Printable;
+use morph_collision_models::text::suggestion;
 
 /// A placement that may change at constant speed: the values at the first and at the last frame.
 #[derive(Clone, Debug, Default, PartialEq)]

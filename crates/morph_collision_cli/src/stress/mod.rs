@@ -5,8 +5,10 @@ mod report;
 use clap::Args;
 use morph_collision_testkit::stress::{Family, Silence, stress as try_all};
 
+use crate::Verdict;
 use crate::error::CliError;
-use crate::{Verdict, output, progress};
+use crate::output;
+use crate::progress;
 use report::StressReport;
 
 /// Compare this library's answers about generated, difficult meshes with brute force in exact arithmetic.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use morph_collision_testkit::numbers::{Grouped, number};
+use morph_collision_models::text::{Grouped, number};
 use morph_collision_testkit::stress::FamilyReport;
 use serde::Serialize;
 

@@ -10,9 +10,10 @@ mod rows;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use morph_collision_testkit::memory::MemoryBudget;
-use morph_collision_testkit::scenes::Scene;
+use morph_collision_models::memory::MemoryBudget;
+use morph_collision_models::scenes::Scene;
 
+use crate::Verdict;
 use crate::cast::Cast;
 use crate::clip_files::ClipFiles;
 use crate::depth::ThresholdArgs;
@@ -20,6 +21,7 @@ use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
 use crate::frame_times::FrameTimes;
 use crate::model_file::{FileArgs, MeshChoice};
+use crate::output;
 use crate::output_file::OutputFile;
 use crate::posed::Posed;
 use crate::scene::build::{
@@ -28,7 +30,6 @@ use crate::scene::build::{
 use crate::scene::{fps, is_scene};
 use crate::touching::Among;
 use crate::tree_options::TreeArgs;
-use crate::{Verdict, output};
 use report::SweepReport;
 use rows::Label;
 
@@ -147,7 +148,7 @@ fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
         .refuse("a scene file already says what happens in every frame")?;
     refuse("--loop", args.is_loop)?;
     let scene = args.files.read_scene(&args.input)?;
-    let label = |states: &Vec<morph_collision_testkit::scenes::BodyState>| {
+    let label = |states: &Vec<morph_collision_models::scenes::BodyState>| {
         let clip = states.iter().find_map(|state| state.clip.clone());
         let seconds = states.iter().find_map(|state| state.time);
         Label { clip, seconds }

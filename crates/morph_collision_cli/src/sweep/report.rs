@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Grouped;
+use morph_collision_models::text::Printable;
 use serde::Serialize;
 
 use super::rows::Row;

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use morph_collision::{ContactQuery, DistanceQuery};
-use morph_collision_testkit::numbers::number;
+use morph_collision_models::text::number;
 use serde::Serialize;
 
 use super::Swept;

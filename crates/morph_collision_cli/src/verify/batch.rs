@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Grouped;
+use morph_collision_models::text::Printable;
 use serde::Serialize;
 
 use super::report::VerifyReport;

@@ -7,14 +7,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use morph_collision::BuildOptions;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::SetUpError;
 use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare, verify_motion};
 
+use crate::Verdict;
 use crate::clips::read_clips;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, MeshChoice, count_memory, leave_out_unweighted};
-use crate::{Verdict, output, progress};
+use crate::output;
+use crate::progress;
 use batch::BatchReport;
 use report::{VerifyReport, WhichMesh};
 

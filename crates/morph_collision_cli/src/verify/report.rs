@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use glam::Affine3A;
-use morph_collision_testkit::numbers::Grouped;
-use morph_collision_testkit::printable::Printable;
+use morph_collision_models::text::Grouped;
+use morph_collision_models::text::Printable;
 use morph_collision_testkit::verify::{Counts, Finding, MotionCounts, Trouble, Verification};
 use serde::Serialize;
 

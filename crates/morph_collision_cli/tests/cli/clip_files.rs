@@ -228,10 +228,10 @@ fn what_does_not_fit_is_said() -> TestResult {
 #[test]
 fn targets_are_matched_by_their_names() -> TestResult {
     let dir = tempfile::tempdir()?;
-    let mut mesh = morph_collision_testkit::models::dolphin(0);
-    let looks = morph_collision_testkit::gltf_write::Appearance::default();
+    let mut mesh = morph_collision_models::generated::dolphin(0);
+    let looks = morph_collision_models::gltf::write::Appearance::default();
     let write =
-        |name: &str, mesh: &_| morph_collision_testkit::gltf_write::write_glb(&dir.path().join(name), mesh, &looks);
+        |name: &str, mesh: &_| morph_collision_models::gltf::write::write_glb(&dir.path().join(name), mesh, &looks);
     mesh.name = "dolphin".to_owned();
     write("lib.glb", &mesh)?;
     mesh.target_names = vec!["smile".to_owned(), mesh.target_names[0].clone()];

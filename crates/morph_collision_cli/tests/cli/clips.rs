@@ -108,11 +108,11 @@ fn the_shorter_clip_of_a_scene_holds_or_starts_again() -> TestResult {
 fn a_clip_of_any_length_is_refused_instead_of_filling_the_memory() -> TestResult {
     let dir = tempdir()?;
     let path = dir.path().join("long.glb");
-    let mut mesh = morph_collision_testkit::models::dolphin(0);
+    let mut mesh = morph_collision_models::generated::dolphin(0);
     if let Some(last) = mesh.animations[0].times.last_mut() {
         *last = 3e38;
     }
-    morph_collision_testkit::gltf_write::write_glb(&path, &mesh, &Default::default())?;
+    morph_collision_models::gltf::write::write_glb(&path, &mesh, &Default::default())?;
     let message = error_of(&run("sweep", &path, &[])?);
     assert!(
         message.contains("--fps") && message.contains("--memory-limit"),

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_models::gltf::read::read_meshes;
 use serde_json::Value;
 use tempfile::tempdir;
 

@@ -1,8 +1,8 @@
 //! `inspect` reports what is in a file.
 
 use glam::Vec3;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::models;
+use morph_collision_models::generated;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -20,7 +20,7 @@ fn the_json_describes_the_mesh_its_targets_its_clip_and_its_tree() -> TestResult
     assert_eq!(report["file"], path.display().to_string());
     assert_eq!(report["meshes"].as_array().map(Vec::len), Some(1));
     let mesh = &report["meshes"][0];
-    let dolphin = models::dolphin(0);
+    let dolphin = generated::dolphin(0);
     let model = dolphin.to_model()?;
     assert_eq!(mesh["index"], 0);
     assert_eq!(mesh["name"], dolphin.name);
@@ -85,7 +85,7 @@ fn a_mesh_without_targets_is_rigid() -> TestResult {
         base_color: [1.0; 4],
         roughness: 1.0,
     };
-    write_glb(&path, &models::rigid::box_mesh(Vec3::ONE), &looks)?;
+    write_glb(&path, &generated::rigid::box_mesh(Vec3::ONE), &looks)?;
     let report = inspect_json(&path)?;
     assert_eq!(report["meshes"][0]["rigid"], true);
     assert_eq!(report["meshes"][0]["targets"].as_array().map(Vec::len), Some(0));
@@ -190,7 +190,7 @@ fn names_reach_the_terminal_escaped() -> TestResult {
 
 #[test]
 fn sums_of_large_weights_are_numbers_in_json() -> TestResult {
-    let mut mesh = models::dolphin(0);
+    let mut mesh = generated::dolphin(0);
     for key in &mut mesh.animations[0].weights {
         key.fill(3e38);
     }

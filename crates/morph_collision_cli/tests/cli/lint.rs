@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use glam::Vec3;
-use morph_collision_testkit::clip::WeightAnimation;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::clip::WeightAnimation;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
+use morph_collision_models::mesh::MorphMesh;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 

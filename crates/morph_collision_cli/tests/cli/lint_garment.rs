@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
+use morph_collision_models::mesh::MorphMesh;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 

@@ -1,7 +1,7 @@
 //! `lint` lists what an artist would act on first, counts findings by source, and fails if there is nothing to try.
 
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
 use serde_json::{Value, json};
 use tempfile::tempdir;
 

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::ffi::OsString;
 use std::path::Path;
 
-use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
+use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
 use serde_json::Value;
 use tempfile::tempdir;
 

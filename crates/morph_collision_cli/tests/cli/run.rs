@@ -6,13 +6,13 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use glam::{Affine3A, Quat, Vec3};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models;
+use morph_collision_models::generated;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
+use morph_collision_models::weight_list::{TargetNames, WeightList};
 use morph_collision_testkit::oracle::{BodyPose, scene_pairs};
-use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
-use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -94,8 +94,8 @@ fn expected_rows(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
 /// Six frames of three dolphins, two boxes in one mesh and a flat dolphin that come together and
 /// separate.
 fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
-    write_glb(&dir.join("dolphin.glb"), &models::dolphin(0), &LOOKS)?;
-    let mut boxes = models::rigid::box_mesh(Vec3::splat(0.3));
+    write_glb(&dir.join("dolphin.glb"), &generated::dolphin(0), &LOOKS)?;
+    let mut boxes = generated::rigid::box_mesh(Vec3::splat(0.3));
     let half = boxes.triangles.len() as u32;
     let (second, offset) = (boxes.positions.clone(), boxes.positions.len() as u32);
     boxes

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Output, Stdio};
 
-use morph_collision_testkit::scenes::Scene;
+use morph_collision_models::scenes::Scene;
 use serde_json::{Value, json};
 use tempfile::tempdir;
 

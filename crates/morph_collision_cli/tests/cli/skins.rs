@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
-use morph_collision_testkit::models::rigs::tube;
+use morph_collision_models::generated::rigs::tube;
+use morph_collision_models::gltf::write::{Appearance, to_glb};
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 

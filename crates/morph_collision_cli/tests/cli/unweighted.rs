@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use glam::Vec3;
-use morph_collision_testkit::gltf_write::{Appearance, write_glb};
-use morph_collision_testkit::mesh::{InfluenceSet, MorphMesh};
-use morph_collision_testkit::models::rigs::tube;
+use morph_collision_models::generated::rigs::tube;
+use morph_collision_models::gltf::write::{Appearance, write_glb};
+use morph_collision_models::mesh::{InfluenceSet, MorphMesh};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 

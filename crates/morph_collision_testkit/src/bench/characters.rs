@@ -7,11 +7,11 @@ use thiserror::Error;
 use super::Experiment;
 use super::rays::rays_at;
 use super::walkers::WALKERS;
-use crate::clip::looped;
-use crate::gltf_read::{ReadError, read_meshes};
-use crate::mesh::MorphMesh;
+use super::{flip_books, heads, talk};
 use crate::moments::{MissingModel, find_real_model};
-use crate::scenes::{flip_books, heads, talk};
+use morph_collision_models::clip::looped;
+use morph_collision_models::gltf::read::{ReadError, read_meshes};
+use morph_collision_models::mesh::MorphMesh;
 
 /// Steps of each script.
 pub(super) const STEPS: usize = 400;

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use glam::{Affine3A, DQuat, DVec3};
 
-use crate::mesh::MorphMesh;
-use crate::models::{dolphin, pass_through_body_at, random::random_blob};
 use crate::rivals::{CastRay, Method, PoseError};
-use crate::scenes::{dolphins, pass_through};
+use morph_collision_models::generated::{dolphin, pass_through_body_at, random::random_blob};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::{dolphins, pass_through};
 
 /// The weights and the placement of every body in a step.
 pub type Frame = Vec<(Vec<f32>, Affine3A)>;

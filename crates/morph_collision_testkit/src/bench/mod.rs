@@ -36,6 +36,8 @@ mod characters;
 mod clock;
 mod contender;
 mod experiment;
+mod flip_books;
+mod heads;
 mod machine;
 mod measure;
 mod of_model;
@@ -43,6 +45,7 @@ mod played;
 mod questions;
 mod rays;
 mod runner;
+mod talk;
 mod walkers;
 
 pub use characters::NoExperiment;

@@ -6,9 +6,9 @@ use glam::{Affine3A, DQuat, DVec3};
 
 use super::Experiment;
 use super::played::{Played, is_playable};
-use crate::clip::looped;
-use crate::mesh::{MeshSkin, MorphMesh};
 use crate::oracle::BodyPose;
+use morph_collision_models::clip::looped;
+use morph_collision_models::mesh::{MeshSkin, MorphMesh};
 
 /// Steps of the script.
 const STEPS: usize = 400;
@@ -116,10 +116,10 @@ mod tests {
     use glam::Vec4;
 
     use super::*;
-    use crate::mesh::WeightAnimation;
-    use crate::models::rigs::tube;
-    use crate::models::{dolphin, rigid};
-    use crate::skeleton::{Interpolation, JointChannel, JointClip, Property};
+    use morph_collision_models::clip::WeightAnimation;
+    use morph_collision_models::generated::rigs::tube;
+    use morph_collision_models::generated::{dolphin, rigid};
+    use morph_collision_models::skeleton::{Interpolation, JointChannel, JointClip, Property};
 
     #[test]
     fn a_clip_gives_the_weights_and_bodies_differ() {

@@ -2,9 +2,10 @@
 
 use glam::Affine3A;
 
-use crate::clip::looped;
-use crate::mesh::{MorphMesh, WeightAnimation};
-use crate::skeleton::{JointClip, Skeleton};
+use morph_collision_models::clip::WeightAnimation;
+use morph_collision_models::clip::looped;
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::skeleton::{JointClip, Skeleton};
 
 /// Steps per second at which clips are played.
 const RATE: f64 = 60.0;

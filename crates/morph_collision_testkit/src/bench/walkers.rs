@@ -7,10 +7,10 @@ use glam::{Affine3A, DQuat, DVec3};
 use super::characters::{NoExperiment, STEPS};
 use super::rays::rays_at;
 use super::{Experiment, Frame};
-use crate::clip::looped;
-use crate::gltf_read::read_meshes;
-use crate::mesh::MorphMesh;
 use crate::moments::find_real_model;
+use morph_collision_models::clip::looped;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 
 const MODEL: &str = "mh_character.glb";
 const CLIP: &str = "walk_and_talk";
@@ -167,9 +167,9 @@ impl Walkers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::WeightAnimation;
-    use crate::models::rigs::tube;
-    use crate::skeleton::JointClip;
+    use morph_collision_models::clip::WeightAnimation;
+    use morph_collision_models::generated::rigs::tube;
+    use morph_collision_models::skeleton::JointClip;
 
     #[test]
     fn a_character_without_a_skin_or_its_clips_is_refused() {

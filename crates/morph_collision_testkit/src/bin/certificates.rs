@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use morph_collision::{BuildOptions, MorphBvh, Pose, SelfQuery, TrianglePair};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::rivals::within::certify;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

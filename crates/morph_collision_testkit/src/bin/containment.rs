@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::rigs::{self, PoseKind};
-use morph_collision_testkit::models::{dolphin, pass_through_body, random};
+use morph_collision_models::generated::rigs::{self, PoseKind};
+use morph_collision_models::generated::{dolphin, pass_through_body, random};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::verify::{ContainmentViolation, check_containment, check_skinned_containment};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

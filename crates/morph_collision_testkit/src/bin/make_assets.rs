@@ -6,7 +6,8 @@ use std::{
     process::ExitCode,
 };
 
-use morph_collision_testkit::{assets, gltf_write::write_glb};
+use morph_collision_models::gltf::write::write_glb;
+use morph_collision_testkit::assets;
 
 fn main() -> ExitCode {
     let Some(directory) = std::env::args_os().nth(1).map(PathBuf::from) else {

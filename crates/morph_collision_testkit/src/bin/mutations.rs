@@ -10,9 +10,9 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use morph_collision_models::generated;
+use morph_collision_models::gltf::write::{Appearance, to_glb};
 use morph_collision_testkit::fuzzing;
-use morph_collision_testkit::gltf_write::{Appearance, to_glb};
-use morph_collision_testkit::models;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -50,8 +50,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let models = models.into_iter().filter(|bytes| bytes.starts_with(b"glTF"));
             seeds.extend(models.flat_map(|glb| std::iter::repeat_n(glb, copies / 4 + 1)));
             for mesh in [
-                models::random::random_blob(1, 0, 3, 0.5),
-                models::rigs::rigid_pieces(1, 2, 1),
+                generated::random::random_blob(1, 0, 3, 0.5),
+                generated::rigs::rigid_pieces(1, 2, 1),
             ] {
                 let glb = to_glb(&mesh, &Appearance::default())?;
                 seeds.extend(std::iter::repeat_n(glb, copies));

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 use morph_collision::motion::{MotionQuery, MovingBody};
 use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, QueryStats, WorldFromModel};
-use morph_collision_testkit::models::dolphin;
+use morph_collision_models::generated::dolphin;
 
 const STEPS: usize = 40;
 /// Refines the dolphin to 9024 triangles.

@@ -16,9 +16,9 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::rigs::{self, PoseKind};
+use morph_collision_models::generated::rigs::{self, PoseKind};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::moments::find_real_model;
 use morph_collision_testkit::rivals::JointNodes;
 use morph_collision_testkit::tightness::{self, Tightness};

@@ -1,11 +1,11 @@
 //! The hashed scenes: two scripted scenes with few triangles, and odd moments of random and degenerate models.
 
 use super::hash::Hash;
-use crate::mesh::MorphMesh;
-use crate::models::{dolphin, pass_through_body_at, random};
 use crate::moments::{self, MomentBody};
-use crate::scenes::{dolphins, pass_through};
 use glam::{Affine3A, Vec3};
+use morph_collision_models::generated::{dolphin, pass_through_body_at, random};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes::{dolphins, pass_through};
 
 /// Meshes, and the weights and placements of bodies in each frame. Body `i` uses the same mesh in all frames.
 #[derive(Debug)]

@@ -255,12 +255,12 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::gltf_read::{GltfFile, ReadOptions};
-    use crate::gltf_write::{Appearance, to_glb};
+    use morph_collision_models::gltf::read::{GltfFile, ReadOptions};
+    use morph_collision_models::gltf::write::{Appearance, to_glb};
 
     #[test]
     fn bent_files_are_still_files_and_most_get_past_the_parser() {
-        let mesh = crate::models::rigs::tube(1, 3, 2, 2);
+        let mesh = morph_collision_models::generated::rigs::tube(1, 3, 2, 2);
         let glb = to_glb(&mesh, &Appearance::default()).expect("it can be written");
         let bent: Vec<Vec<u8>> = (0..300).filter_map(|seed| bend(&glb, seed)).collect();
         assert!(bent.len() > 290, "{}", bent.len());

@@ -4,7 +4,7 @@ use arbitrary::Unstructured;
 use glam::{Affine3A, Vec3};
 use morph_collision::BuildOptions;
 
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// Bytes that are read as choices. After their end, every choice is the first one.
 pub(super) struct Draw<'a>(Unstructured<'a>);

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use crate::clip::WeightAnimation;
-use crate::gltf_read::{BorrowedClip, ExpressionBind, Extent, GltfFile, Matched, ReadOptions};
-use crate::inspect::FileReport;
-use crate::memory::OverBudget;
-use crate::scenes::Scene;
-use crate::skeleton::{JointClip, Skeleton};
-use crate::skin::InfluenceSet;
+use morph_collision_models::clip::WeightAnimation;
+use morph_collision_models::gltf::read::{BorrowedClip, ExpressionBind, Extent, GltfFile, Matched, ReadOptions};
+use morph_collision_models::inspect::FileReport;
+use morph_collision_models::memory::OverBudget;
+use morph_collision_models::mesh::InfluenceSet;
+use morph_collision_models::scenes::Scene;
+use morph_collision_models::skeleton::{JointClip, Skeleton};
 
 /// A model's memory limit, kept small so that fuzzing tries many files.
 const MEMORY_LIMIT: u64 = 32 << 20;

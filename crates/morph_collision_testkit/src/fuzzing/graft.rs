@@ -259,9 +259,9 @@ mod tests {
 
     use super::super::bend::{pack, parts};
     use super::*;
-    use crate::clip::WeightAnimation;
-    use crate::gltf_read::{Extent, GltfFile, ReadOptions};
-    use crate::gltf_write::{Appearance, to_glb};
+    use morph_collision_models::clip::WeightAnimation;
+    use morph_collision_models::gltf::read::{Extent, GltfFile, ReadOptions};
+    use morph_collision_models::gltf::write::{Appearance, to_glb};
 
     /// What the reader finds in a file: one entry for each kind of part that is grafted.
     fn found(file: &GltfFile) -> [usize; 7] {
@@ -281,7 +281,7 @@ mod tests {
     /// In some of the files, the reader finds more of every kind of part.
     #[test]
     fn grafts_reach_the_reader() {
-        let mut skinned = crate::models::rigs::tube(1, 3, 2, 2);
+        let mut skinned = morph_collision_models::generated::rigs::tube(1, 3, 2, 2);
         skinned.animations = vec![WeightAnimation {
             name: "clip".into(),
             times: vec![0.0, 1.0],

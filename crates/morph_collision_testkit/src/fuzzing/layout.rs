@@ -5,9 +5,9 @@ use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose,
 use serde_json::Value;
 
 use super::pairs::{sorted, truth};
-use crate::mesh::MorphMesh;
-use crate::models::{degenerate, random};
 use crate::verify::check_containment;
+use morph_collision_models::generated::{degenerate, random};
+use morph_collision_models::mesh::MorphMesh;
 
 /// The meshes for which layouts are read.
 static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {

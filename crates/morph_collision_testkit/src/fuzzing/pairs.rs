@@ -4,9 +4,9 @@ use glam::Affine3A;
 use morph_collision::{Body, MorphBvh, PairMemory, PairQuery, Pose, TrianglePair, WorldFromModel};
 
 use super::draw::Draw;
-use crate::mesh::MorphMesh;
 use crate::oracle;
 use crate::verify::{check_containment, check_refitted_containment};
+use morph_collision_models::mesh::MorphMesh;
 
 /// Poses and places two small meshes a few times. Checks every way to ask for their pairs against the oracle, and every
 /// vertex against the boxes above it.

@@ -3,8 +3,8 @@
 use glam::{Affine3A, Mat3, Mat3A, Quat, Vec3};
 
 use super::draw::Draw;
-use crate::mesh::{InfluenceSet, MeshSkin, MorphMesh};
-use crate::skeleton::Skeleton;
+use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};
+use morph_collision_models::skeleton::Skeleton;
 
 /// The most joints of a mesh.
 const MOST_JOINTS: usize = 6;

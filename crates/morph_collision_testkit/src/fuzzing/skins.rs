@@ -6,9 +6,9 @@ use morph_collision::{BuildOptions, JointMatrices, MorphBvh, PairMemory, PairQue
 use super::draw::Draw;
 use super::one_body::{assert_closest_pair, assert_closest_point, assert_rays};
 use super::pairs::assert_pairs;
-use crate::mesh::{MeshSkin, MorphMesh};
 use crate::oracle::{self, BodyPose};
 use crate::verify::{check_containment, check_refitted_containment, check_skinned_containment};
+use morph_collision_models::mesh::{MeshSkin, MorphMesh};
 
 /// Poses two small meshes a few times; at least one of them is skinned. Checks every way to ask for their pairs, rays and
 /// distances against brute force, and every vertex against the boxes above it.

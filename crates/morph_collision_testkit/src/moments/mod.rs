@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use morph_collision::{Aabb, QueryStats};
 
-use crate::gltf_read::{ReadError, read_meshes};
-use crate::mesh::MorphMesh;
-use crate::models::{degenerate, dolphin, pass_through_body, random};
+use crate::oracle;
 use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError, Wanted};
-use crate::{oracle, scenes};
+use morph_collision_models::generated::{degenerate, dolphin, pass_through_body, random};
+use morph_collision_models::gltf::read::{ReadError, read_meshes};
+use morph_collision_models::mesh::MorphMesh;
+use morph_collision_models::scenes;
 
 pub use self::skinned::skinned;
 

@@ -3,8 +3,8 @@
 use glam::{Affine3A, Vec3, Vec3A};
 
 use super::Moment;
-use crate::mesh::MorphMesh;
-use crate::models::rigs::{self, PoseKind};
+use morph_collision_models::generated::rigs::{self, PoseKind};
+use morph_collision_models::mesh::MorphMesh;
 
 /// Generated skinned models with joints of every kind. The two bodies are close enough to overlap.
 pub fn skinned() -> Vec<Moment> {

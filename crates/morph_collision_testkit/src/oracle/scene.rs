@@ -3,7 +3,7 @@
 use glam::{Affine3A, DVec3};
 
 use super::{intersecting_pairs, posed_vertices, skinned_vertices, world_vertices};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// One body of a scene: a mesh, its weights and its placement.
 #[derive(Clone, Copy, Debug)]

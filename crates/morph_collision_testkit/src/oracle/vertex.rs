@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Vec3};
 
-use crate::skin::InfluenceSet;
+use morph_collision_models::mesh::InfluenceSet;
 
 /// Blends every vertex in model space: `b + w_0 d_0 + w_1 d_1 + ...`.
 ///

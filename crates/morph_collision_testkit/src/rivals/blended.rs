@@ -7,7 +7,7 @@ use morph_collision::{InputError, JointMatrices, ModelError, Triangle, WorldFrom
 
 use super::skin::{SkinnedBody, WeldedSkin};
 use super::{PoseError, WeightLimits};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// A welded mesh in a form that is fast to blend as a whole: target by target, each with the vertices that
 /// it moves.

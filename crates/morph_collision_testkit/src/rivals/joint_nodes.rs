@@ -7,7 +7,7 @@ use super::blended::WeldedMesh;
 use super::joint_boxes::Measured;
 use super::tree::Child;
 use super::{MethodOptions, RivalNode};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// The tree of a skinned mesh whose boxes are composed of one box per joint.
 #[derive(Debug)]
@@ -50,8 +50,8 @@ impl JointNodes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::rigs::{PoseKind, branching};
     use crate::oracle::{posed_vertices, skinned_vertices};
+    use morph_collision_models::generated::rigs::{PoseKind, branching};
 
     #[test]
     fn boxes_hold_what_is_below_and_each_triangle_has_a_leaf() -> Result<(), ModelError> {

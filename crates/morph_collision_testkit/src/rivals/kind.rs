@@ -17,7 +17,7 @@ use super::parry::Parry;
 use super::rigid_floor::RigidFloor;
 use super::walk::Trees;
 use super::{Method, MethodOptions, SetUpError};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// A method, by name. The [module's table](super) describes each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

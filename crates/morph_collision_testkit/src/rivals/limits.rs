@@ -3,7 +3,7 @@
 use glam::Vec3;
 use morph_collision::WeightsError;
 
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// The largest coordinate that a posed vertex may reach.
 const LARGEST: f64 = 2e37;

@@ -28,7 +28,7 @@
 //!
 //! ```
 //! use glam::{Affine3A, Vec3};
-//! use morph_collision_testkit::models::dolphin;
+//! use morph_collision_models::generated::dolphin;
 //! use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
 //!
 //! let meshes = [dolphin(0)];

@@ -10,7 +10,7 @@ use morph_collision::{
 };
 
 use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted, push};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// Poses of shared trees with blended volumes.
 #[derive(Debug)]

@@ -18,7 +18,7 @@ use morph_collision::{
 use serde_json::Value;
 
 use super::{Method, MethodOptions, PoseError, SetUpError, Wanted, WeightLimits, push};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// Bodies of frozen meshes.
 #[derive(Debug)]

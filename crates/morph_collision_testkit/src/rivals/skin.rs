@@ -6,7 +6,7 @@
 
 use glam::{Affine3A, DVec3, Vec3, Vec3A};
 
-use crate::mesh::MeshSkin;
+use morph_collision_models::mesh::MeshSkin;
 
 /// The influences of welded vertices, without those of weight 0.
 #[derive(Debug)]

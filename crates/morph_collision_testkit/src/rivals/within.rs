@@ -25,7 +25,7 @@ use self::refitted::Refitted;
 use super::blended::WeldedMesh;
 use super::build::{Cut, Limits};
 use super::{MethodOptions, PoseError, SetUpError};
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// A method, by name. The [module's table](self) describes each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,7 +145,7 @@ impl SelfMethod for Ours {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::random::{random_blob, triangle_soup};
+    use morph_collision_models::generated::random::{random_blob, triangle_soup};
 
     #[test]
     fn all_methods_find_the_same_pairs() -> Result<(), Box<dyn std::error::Error>> {

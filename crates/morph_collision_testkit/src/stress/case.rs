@@ -8,9 +8,9 @@ use rand_pcg::Pcg64Mcg;
 
 use super::parts::{blobs, direction, overlapping, rotation, turned, vector, weights};
 use super::{Family, geometry, skinned};
-use crate::mesh::MorphMesh;
-use crate::models::{degenerate, random};
 use crate::verify::Situation;
+use morph_collision_models::generated::{degenerate, random};
+use morph_collision_models::mesh::MorphMesh;
 
 /// Two meshes in a situation.
 #[derive(Clone, Debug, PartialEq)]

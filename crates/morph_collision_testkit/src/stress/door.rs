@@ -9,8 +9,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::{Case, skin_door};
-use crate::scenes::Scene;
 use crate::verify::{AnswerSource, Situation, Trees};
+use morph_collision_models::scenes::Scene;
 
 /// Number of doors, that is, of functions and arguments to test.
 pub const DOORS: u64 = OWN_DOORS + skin_door::DOORS;
@@ -145,7 +145,11 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
 }
 
 /// Checks that the mesh with something broken in it does not become a model.
-fn model(case: &Case, spoil: impl FnOnce(&mut crate::mesh::MorphMesh), names: &[&str]) -> Result<(), String> {
+fn model(
+    case: &Case,
+    spoil: impl FnOnce(&mut morph_collision_models::mesh::MorphMesh),
+    names: &[&str],
+) -> Result<(), String> {
     let mut mesh = case.meshes[0].clone();
     spoil(&mut mesh);
     refused(mesh.to_model(), names)

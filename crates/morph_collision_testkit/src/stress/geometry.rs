@@ -7,8 +7,8 @@ use rand_pcg::Pcg64Mcg;
 use super::Case;
 use super::case::{scaled, weighted};
 use super::parts::{blobs, overlapping, rotation, turned, vector, weights};
-use crate::models::{degenerate, rigid};
 use crate::verify::Situation;
+use morph_collision_models::generated::{degenerate, rigid};
 
 /// Two bodies that touch in one face or one point, one of them then moved in or out by 1 to a million steps
 /// of `f32`.

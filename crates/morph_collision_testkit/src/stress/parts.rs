@@ -7,9 +7,9 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::Case;
-use crate::mesh::MorphMesh;
-use crate::models::random;
 use crate::verify::Situation;
+use morph_collision_models::generated::random;
+use morph_collision_models::mesh::MorphMesh;
 
 /// Two blobs of 80 triangles.
 pub(super) fn blobs(rng: &mut Pcg64Mcg, targets: usize) -> [MorphMesh; 2] {

@@ -8,8 +8,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::door::refused;
-use crate::mesh::InfluenceSet;
-use crate::models::rigs::tube;
+use morph_collision_models::generated::rigs::tube;
+use morph_collision_models::mesh::InfluenceSet;
 
 /// Number of doors.
 pub(super) const DOORS: u64 = 5;
@@ -54,7 +54,7 @@ pub(super) fn knock(door: u64, rng: &mut Pcg64Mcg, bad: f32) -> Result<(), Strin
     }
 }
 
-fn set(mesh: &mut crate::mesh::MorphMesh) -> Result<&mut InfluenceSet, String> {
+fn set(mesh: &mut morph_collision_models::mesh::MorphMesh) -> Result<&mut InfluenceSet, String> {
     let set = mesh.skin.as_mut().and_then(|skin| skin.sets.first_mut());
     set.ok_or_else(|| "a tube has influences".to_owned())
 }

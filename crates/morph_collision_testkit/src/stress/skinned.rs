@@ -5,9 +5,9 @@ use rand_pcg::Pcg64Mcg;
 
 use super::parts::{turned, weights};
 use super::{Case, Family};
-use crate::mesh::MorphMesh;
-use crate::models::rigs::{PoseKind, branching, random_soup, rigid_pieces, tube, unnormalised};
 use crate::verify::Situation;
+use morph_collision_models::generated::rigs::{PoseKind, branching, random_soup, rigid_pieces, tube, unnormalised};
+use morph_collision_models::mesh::MorphMesh;
 
 /// Two skinned meshes, weights of any sign, and joints according to the family.
 pub(super) fn case(rng: &mut Pcg64Mcg, family: Family, index: u64) -> Case {

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use morph_collision::Pose;
 
-use crate::mesh::MorphMesh;
 use crate::oracle;
+use morph_collision_models::mesh::MorphMesh;
 
 /// The outcome of [`check_containment`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -91,7 +91,7 @@ mod tests {
     use morph_collision::{BuildOptions, MorphBvh};
 
     use super::*;
-    use crate::models::dolphin;
+    use morph_collision_models::generated::dolphin;
 
     #[test]
     fn boxes_of_other_weights_are_caught_at_every_depth() -> Result<(), Box<dyn std::error::Error>> {

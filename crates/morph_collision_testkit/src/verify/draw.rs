@@ -5,9 +5,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::{AnswerSource, Meshes, Situation, nearly_touching};
-use crate::mesh::MorphMesh;
-use crate::models::rigs::PoseKind;
 use crate::rivals::PoseError;
+use morph_collision_models::generated::rigs::PoseKind;
+use morph_collision_models::mesh::MorphMesh;
 
 /// A source of situations of two meshes; the same seed gives the same situations.
 #[derive(Debug)]

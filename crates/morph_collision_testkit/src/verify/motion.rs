@@ -295,7 +295,7 @@ mod tests {
 
     use super::super::{Answer, AnswerSource, ContainmentReport, Trees};
     use super::*;
-    use crate::models::dolphin;
+    use morph_collision_models::generated::dolphin;
 
     /// Trees whose contacts are changed.
     struct Wrong {

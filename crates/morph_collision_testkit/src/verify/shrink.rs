@@ -4,7 +4,7 @@ use glam::{Affine3A, DVec3};
 
 use super::judge::differences;
 use super::{AnswerSource, Meshes, Situation, Trouble};
-use crate::mesh::MeshSkin;
+use morph_collision_models::mesh::MeshSkin;
 
 /// A wrong answer, made as small as possible, with everything needed to reproduce it.
 #[derive(Clone, Debug, PartialEq)]

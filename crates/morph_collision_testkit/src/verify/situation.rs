@@ -1,7 +1,7 @@
 use glam::{Affine3A, DVec3, Vec3};
 
-use crate::mesh::MorphMesh;
 use crate::oracle::{BodyPose, intersecting_pairs, triangles_intersect};
+use morph_collision_models::mesh::MorphMesh;
 
 /// The meshes of the two bodies.
 pub type Meshes<'a> = [&'a MorphMesh; 2];

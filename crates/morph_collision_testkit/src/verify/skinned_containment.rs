@@ -4,8 +4,8 @@ use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 use morph_collision::{Pose, WorldFromModel};
 
 use super::{ContainmentReport, ContainmentViolation};
-use crate::mesh::{MeshSkin, MorphMesh};
 use crate::oracle;
+use morph_collision_models::mesh::{MeshSkin, MorphMesh};
 
 /// Upper bound on all rounding of a world position and of its way back into a joint's space, in units of the terms' magnitudes.
 const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
@@ -122,7 +122,7 @@ mod tests {
     use morph_collision::{BuildOptions, JointMatrices, MorphBvh};
 
     use super::*;
-    use crate::models::rigs::{PoseKind, branching};
+    use morph_collision_models::generated::rigs::{PoseKind, branching};
 
     fn posed(kind: PoseKind) -> Result<(MorphMesh, Vec<Affine3A>, Pose), Box<dyn std::error::Error>> {
         let mesh = branching(2, 20, 4, 3);

@@ -7,8 +7,8 @@ use morph_collision::{
 };
 
 use super::{ContainmentReport, Meshes, Situation, check_containment, check_skinned_containment};
-use crate::mesh::{MeshSkin, MorphMesh};
 use crate::rivals::{PoseError, SetUpError};
+use morph_collision_models::mesh::{MeshSkin, MorphMesh};
 
 /// A source's list of all intersecting pairs of triangles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -4,9 +4,9 @@ use glam::Affine3A;
 use morph_collision::BuildOptions;
 
 use super::*;
-use crate::mesh::MorphMesh;
-use crate::models::{dolphin, rigs};
 use crate::rivals::PoseError;
+use morph_collision_models::generated::{dolphin, rigs};
+use morph_collision_models::mesh::MorphMesh;
 
 /// How an answer is falsified.
 #[derive(Clone, Copy, Debug, PartialEq)]

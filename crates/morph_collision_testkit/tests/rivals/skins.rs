@@ -3,7 +3,8 @@
 use morph_collision_testkit::moments::{self, Moment};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
 
-use crate::{agree, methods};
+use crate::agree;
+use crate::methods;
 
 #[test]
 fn methods_for_skins_agree_on_skinned_models_in_every_pose() {

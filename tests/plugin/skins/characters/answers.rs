@@ -8,7 +8,7 @@ use bevy::math::{DAffine3, DMat4, DVec3, Mat4};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::intersecting_pairs;
 use morph_collision_workspace::drawn::{extent, meets, near};
 use rand::RngExt;

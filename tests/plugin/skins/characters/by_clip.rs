@@ -3,9 +3,9 @@
 use bevy::animation::ActiveAnimation;
 use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
-use morph_collision_testkit::clip::WeightAnimation;
+use morph_collision_models::clip::WeightAnimation;
+use morph_collision_models::skeleton::JointClip;
 use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices};
-use morph_collision_testkit::skeleton::JointClip;
 use morph_collision_workspace::drawn;
 
 use super::{Part, Stage};

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::slabs::Slabs;
 use super::sphere::Sphere;
-use crate::mesh::MorphMesh;
+use morph_collision_models::mesh::MorphMesh;
 
 /// How the paper's method bounds nodes. No answer depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

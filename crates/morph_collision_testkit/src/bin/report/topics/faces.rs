@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{Affine3A, DQuat, DVec3};
 use morph_collision::Aabb;
+use morph_collision_models::clip::looped;
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::bench::Experiment;
-use morph_collision_testkit::clip::looped;
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::moments::find_real_model;
 
 use super::{Measure, Topic, page_of_methods};

@@ -5,9 +5,9 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use morph_collision::{BuildOptions, MorphBvh, TrianglePair};
+use morph_collision_models::gltf::read::read_meshes;
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::bench::{Stopwatch, median};
-use morph_collision_testkit::gltf_read::read_meshes;
-use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::moments::find_real_model;
 use morph_collision_testkit::report::{Store, Table, ratio, short};
 use morph_collision_testkit::rivals::within::{SelfMethod, SelfMethodKind, certify};

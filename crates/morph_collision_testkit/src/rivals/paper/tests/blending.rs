@@ -9,7 +9,7 @@ use super::super::slabs::Slabs;
 use super::super::sphere::Sphere;
 use super::super::volume::Volume;
 use super::{below, meshes, volume, welded};
-use crate::models::dolphin;
+use morph_collision_models::generated::dolphin;
 
 /// The posed vertices below a node.
 fn posed<V: Volume>(body: &Body<V>, node: u32, weights: &[f32]) -> Vec<DVec3> {

@@ -10,8 +10,8 @@ use super::super::tree::{Content, Tree};
 use super::super::volume::Volume;
 use super::super::{PaperOptions, PaperVolume};
 use super::{below, meshes, welded};
-use crate::mesh::MorphMesh;
-use crate::models::{self, dolphin, random};
+use morph_collision_models::generated::{self, dolphin, random};
+use morph_collision_models::mesh::MorphMesh;
 
 #[test]
 fn leaves_have_one_triangle_each_and_no_child_is_empty() {
@@ -34,7 +34,7 @@ fn bytes_are_bounded<V: Volume>(volume: PaperVolume) {
         random::random_blob(4, 3, 40, 0.0),
         random::triangle_soup(11, 500, 8),
         dolphin(1),
-        models::rigid::box_mesh(Vec3::ONE),
+        generated::rigid::box_mesh(Vec3::ONE),
     ] {
         for in_betweens in [false, true] {
             let options = PaperOptions { volume, in_betweens };

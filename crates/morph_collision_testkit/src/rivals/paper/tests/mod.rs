@@ -12,9 +12,9 @@ use super::PaperVolume;
 use super::body::Body;
 use super::tree::Content;
 use super::volume::Volume;
-use crate::mesh::MorphMesh;
-use crate::models::{dolphin, random};
 use crate::rivals::blended::WeldedMesh;
+use morph_collision_models::generated::{dolphin, random};
+use morph_collision_models::mesh::MorphMesh;
 
 fn meshes() -> [Arc<WeldedMesh>; 3] {
     [

@@ -10,8 +10,8 @@ use super::super::sphere::Sphere;
 use super::super::tree::Content;
 use super::super::volume::Volume;
 use super::{volume, welded};
-use crate::mesh::MorphMesh;
-use crate::models::random;
+use morph_collision_models::generated::random;
+use morph_collision_models::mesh::MorphMesh;
 
 /// Rotated, sheared, stretched along some axes by up to 2^20 or down to 0, and so far away that vertices may coincide.
 fn place(rng: &mut Pcg64Mcg) -> Affine3A {

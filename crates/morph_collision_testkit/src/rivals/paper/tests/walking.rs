@@ -3,8 +3,8 @@
 use glam::{Affine3A, Vec3};
 
 use super::super::{PaperOptions, PaperVolume};
-use crate::models::dolphin;
 use crate::rivals::{Method, MethodKind, Wanted};
+use morph_collision_models::generated::dolphin;
 
 /// Two dolphins, the second moved along x.
 fn two(options: PaperOptions, weights: [f32; 2], x: f32, method: &mut Option<Box<dyn Method>>) -> usize {

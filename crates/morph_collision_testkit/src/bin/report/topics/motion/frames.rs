@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use morph_collision::motion::{MotionQuery, MovingBody, StageCounts};
 use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel};
-use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_models::gltf::read::read_meshes;
 use morph_collision_testkit::motion::records::FramePair;
 use morph_collision_testkit::report::Table;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! What grows, and the experiments of each size.
 
+use morph_collision_models::generated::random::random_blob;
 use morph_collision_testkit::bench::Experiment;
-use morph_collision_testkit::models::random::random_blob;
 
 use crate::context::Context;
 

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::sync::Arc;
 
 use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, WorldFromModel};
+use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::bench::{Experiment, Stopwatch, median};
-use morph_collision_testkit::mesh::MorphMesh;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use serde::{Deserialize, Serialize};

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel};
+use morph_collision_models::generated::random::random_blob;
 use morph_collision_testkit::bench::{Stopwatch, median};
-use morph_collision_testkit::models::random::random_blob;
 use morph_collision_testkit::report::{Store, Table};
 use serde::{Deserialize, Serialize};
 

@@ -8,7 +8,7 @@ use morph_collision::{
     Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, PlacedShape, Pose, Ray, RayQuery, SelfQuery,
     ShapeQuery,
 };
-use morph_collision_testkit::models::random::random_blob;
+use morph_collision_models::generated::random::random_blob;
 
 use super::{Case, LEVEL, MOST, Subjects, bodies, milliseconds, placed};
 

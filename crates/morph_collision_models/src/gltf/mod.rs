@@ -1,0 +1,4 @@
+//! glTF 2.0 files.
+
+pub mod read;
+pub mod write;

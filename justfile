@@ -1,5 +1,8 @@
 # Recipes for developers and CI. `just` lists them.
 
+# The program of the laboratory, optimised.
+lab := "cargo run --quiet --release -p morph_collision_testkit --bin morph-lab --"
+
 default:
     @just --list
 
@@ -53,11 +56,11 @@ features:
 
 # Packages the published crates and builds each one from its package (the last one compiles Bevy).
 package:
-    cargo package -p morph_collision -p morph_collision_models -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
+    cargo package -p morph_collision -p morph_collision_models -p morph_collision_cli -p bevy_morph_collision
 
 # Packages them without building: checks manifests and the lists of files.
 package-list:
-    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_models -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
+    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_models -p morph_collision_cli -p bevy_morph_collision
 
 # Lists the public items of a published crate (cargo install cargo-public-api --locked; rustup toolchain install nightly --profile minimal).
 public-api CRATE="morph_collision":
@@ -68,7 +71,7 @@ semver-checks BASELINE="":
     #!/usr/bin/env bash
     set -euo pipefail
     baseline=({{ if BASELINE == "" { "" } else { "--baseline-rev " + BASELINE } }})
-    # The test kit and the tool promise no stable API.
+    # The models and the tool promise no stable API.
     cargo semver-checks --all-features -p morph_collision -p bevy_morph_collision "${baseline[@]}"
 
 # Checks licences and sources of dependencies by deny.toml. Advisories need access to GitHub, so only `deny` checks them.
@@ -88,7 +91,7 @@ determinism: && determinism-release
 
 # The release half of it; the tests are the other half. Built together with the command-line tool, so that both share dependencies.
 determinism-release: release
-    "${CARGO_TARGET_DIR:-target}/release/determinism"
+    "${CARGO_TARGET_DIR:-target}/release/morph-lab" determinism
 
 # The release half on emulated 64-bit Arm, to run the NEON kernels. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
 determinism-aarch64:
@@ -97,7 +100,7 @@ determinism-aarch64:
     rustup target add aarch64-unknown-linux-gnu
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
-    output=$(cargo run --release --target aarch64-unknown-linux-gnu -p morph_collision_testkit --bin determinism)
+    output=$(cargo run --release --target aarch64-unknown-linux-gnu -p morph_collision_testkit --bin morph-lab -- determinism)
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 
@@ -106,18 +109,18 @@ determinism-wasm:
     #!/usr/bin/env bash
     set -euo pipefail
     rustup target add wasm32-wasip1
-    RUSTFLAGS="-C target-feature=+simd128" cargo build --profile web -p morph_collision_testkit --bin determinism --target wasm32-wasip1
-    node --no-warnings --input-type=module - "${CARGO_TARGET_DIR:-target}/wasm32-wasip1/web/determinism.wasm" <<'END'
+    RUSTFLAGS="-C target-feature=+simd128" cargo build --profile web -p morph_collision_testkit --bin morph-lab --target wasm32-wasip1
+    node --no-warnings --input-type=module - "${CARGO_TARGET_DIR:-target}/wasm32-wasip1/web/morph-lab.wasm" <<'END'
     import { readFile } from "node:fs/promises";
     import { WASI } from "node:wasi";
-    const wasi = new WASI({ version: "preview1" });
+    const wasi = new WASI({ version: "preview1", args: ["morph-lab", "determinism"] });
     const { instance } = await WebAssembly.instantiate(await readFile(process.argv[2]), wasi.getImportObject());
     process.exit(wasi.start(instance));
     END
 
-# Builds the command-line tool, the determinism check and the program whose instructions are counted.
+# Builds the command-line tool and the laboratory.
 release:
-    cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism --bin frames
+    cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin morph-lab
 
 # Builds the docs of libraries and the tool. With two of the examples, dependencies have the same features as for clippy; otherwise Bevy would be checked again.
 doc:
@@ -205,11 +208,11 @@ references:
 
 # Regenerates the models and scenes in assets/. The result is identical, bit for bit.
 assets:
-    cargo run --release -p morph_collision_testkit --bin make_assets -- assets
+    {{lab}} make-assets assets
 
 # Searches for vertices outside their blended boxes: at least CHECKS checks for each leaf size, ten million by default.
 containment *CHECKS:
-    cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
+    {{lab}} containment {{CHECKS}}
 
 # Compares the answers about every model in assets/ and ../shared/models with brute force: FRAMES situations, several leaf sizes, three seeds.
 verify FRAMES="30":
@@ -219,7 +222,7 @@ verify FRAMES="30":
         test -f "$model" || continue
         for seed in 1 2 3; do
             echo "$model"
-            cargo run --quiet --release -p morph_collision_cli -- verify "$model" --frames {{FRAMES}} --seed $seed
+            {{lab}} verify "$model" --frames {{FRAMES}} --seed $seed
         done
     done
 
@@ -232,18 +235,18 @@ stress CASES="200":
     #!/usr/bin/env bash
     set -euo pipefail
     for seed in 1 2 3; do
-        cargo run --quiet --release -p morph_collision_cli -- stress --cases {{CASES}} --seed $seed
+        {{lab}} stress --cases {{CASES}} --seed $seed
     done
 
 # A short version of verify and stress, for CI.
 verify-short: release
     #!/usr/bin/env bash
     set -euo pipefail
-    tool="${CARGO_TARGET_DIR:-target}/release/morph-collide"
-    "$tool" inspect assets/dolphin_564.glb
+    release="${CARGO_TARGET_DIR:-target}/release"
+    "$release/morph-collide" inspect assets/dolphin_564.glb
     # Each takes one thread.
     printf '%s\n' "verify assets/dolphin_564.glb --frames 50" "stress --cases 54" \
-        "verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10" | xargs -P "$(nproc)" -L 1 "$tool"
+        "verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10" | xargs -P "$(nproc)" -L 1 "$release/morph-lab"
 
 # Fuzzes the targets one after another for SECONDS each, regressions first (needs cargo install cargo-fuzz --locked and a C++ compiler).
 fuzz SECONDS:
@@ -272,8 +275,8 @@ fuzz SECONDS:
 
 # Feeds mutated files to the readers of models and scenes for SECONDS, within 2 GB of address space.
 mutations SECONDS="900" SEED="1":
-    cargo build -p morph_collision_testkit --bin mutations
-    ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/mutations" {{SECONDS}} {{SEED}}
+    cargo build -p morph_collision_testkit --bin morph-lab
+    ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/morph-lab" mutations {{SECONDS}} {{SEED}}
 
 # --only TOPIC measures one page, --quick makes rough numbers, --render only writes the pages again.
 
@@ -293,15 +296,15 @@ bench *NAME:
 instructions *SCENES: release
     #!/usr/bin/env bash
     set -euo pipefail
-    export frames="${FRAMES:-${CARGO_TARGET_DIR:-target}/release/frames}"
+    export lab="${LAB:-${CARGO_TARGET_DIR:-target}/release/morph-lab}"
     export counts=$(mktemp -d)
     trap 'rm -r "$counts"' EXIT
     count() {
         # The first pass and the set-up are not counted.
-        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$frames" $1 $2 2>&1); then
+        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$lab" frames $1 $2 2>&1); then
             awk -v s=$1 -v w=$2 -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }' > "$counts/$1 $2"
         elif [ $2 = all ]; then
-            echo "skipped: $(sed -n 's/^Error: //p' <<< "$output")" >&2
+            echo "skipped: $(sed -n 's/^morph-lab: error: //p' <<< "$output")" >&2
         fi
     }
     export -f count
@@ -320,12 +323,12 @@ instructions *SCENES: release
 instructions-motion:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --release -p morph_collision_testkit --bin steps
-    steps="${CARGO_TARGET_DIR:-target}/release/steps"
+    cargo build --release -p morph_collision_testkit --bin morph-lab
+    lab="${CARGO_TARGET_DIR:-target}/release/morph-lab"
     for place in apart beside through; do
         for speed in 0 0.01 0.1 1 10; do
             for question in discrete motion first; do
-                output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_step*' "$steps" $place $speed $question 2>&1)
+                output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_step*' "$lab" steps $place $speed $question 2>&1)
                 awk -v of="$place $speed $question" -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%s %.1f\n", of, n / 40 / 1000 }'
                 if [ $question != first ]; then
                     echo "$place $speed touch-$question $(sed -n 's/^touch in \([0-9]*\) of .*/\1/p' <<< "$output")"
@@ -338,8 +341,9 @@ instructions-motion:
 tool-table:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build -p morph_collision_cli
+    cargo build -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin morph-lab
     tool="${CARGO_TARGET_DIR:-target}/debug/morph-collide"
+    lab="${CARGO_TARGET_DIR:-target}/debug/morph-lab"
     scratch=$(mktemp -d)
     trap 'rm -r "$scratch"' EXIT
     # The part in brackets of the lines that match.
@@ -361,9 +365,9 @@ tool-table:
         try scene "$model#all" "$model#all" --node-transforms --place 0,0,0 --place turn-y=10..90 --frames 9 --output "$scratch/scene.json"
         run=$(try run "$scratch/scene.json" | told '^triangle pairs *\([0-9]*\) over all frames$' | commas)
         motion=$(try motion "$scratch/scene.json" | told '^steps: 8, .* first contacts: \(.*\)$' | commas)
-        verify=$(try verify "$model" --frames 10 | told '^All \(.*\) answers agree with brute force\.$')
+        verify=$("$lab" verify "$model" --frames 10 2> /dev/null | told '^All \(.*\) answers agree with brute force\.$')
         code=0
-        "$tool" bench "$model" --rounds 1 --every 200 --method hybrid > "$scratch/bench" 2> /dev/null || code=$?
+        "$lab" bench "$model" --rounds 1 --every 200 --method hybrid > "$scratch/bench" 2> /dev/null || code=$?
         case $code in 0) bench=agrees ;; 1) bench=differs ;; *) bench=refused ;; esac
         echo "| \`$(basename "$model")\` | ${inspect:-refused} | ${self:-refused} | ${sweep:-0} | ${export:-refused} | ${run:-0} | ${motion:-0} | ${verify:-none} | $bench |"
     done
@@ -375,10 +379,10 @@ instructions-profiles:
     count() {
         profile=$1
         folder="${CARGO_TARGET_DIR:-target}/profiles/${profile//[^a-z]/_}"
-        env CARGO_TARGET_DIR="$folder" "${@:2}" cargo build --quiet --release -p morph_collision_testkit --bin frames
-        FRAMES="$folder/release/frames" just instructions pass-through-20480 dolphins-564 heads-cheek |
+        env CARGO_TARGET_DIR="$folder" "${@:2}" cargo build --quiet --release -p morph_collision_testkit --bin morph-lab
+        LAB="$folder/release/morph-lab" just instructions pass-through-20480 dolphins-564 heads-cheek |
             while read -r scene wanted millions; do echo "$profile $scene,$wanted $millions"; done
-        echo "$profile size $(wc -c < "$folder/release/frames")"
+        echo "$profile size $(wc -c < "$folder/release/morph-lab")"
     }
     count "default"
     count "lto = fat" CARGO_PROFILE_RELEASE_LTO=fat
@@ -395,13 +399,13 @@ instructions-report:
 
 # Compares the tests of moving features with exact arithmetic: COUNT random motions (a million by default) of every kind, and recorded ones.
 motions COUNT="1000000" SEED="7":
-    cargo run --release -p morph_collision_testkit --bin motions -- {{COUNT}} {{SEED}}
+    {{lab}} motions {{COUNT}} {{SEED}}
 
 # Fails if a scene's queries take over 5 % more instructions than recorded in instructions.txt. Skipped if the processor has no AVX2.
 instructions-check: release
     #!/usr/bin/env bash
     set -euo pipefail
-    kernel=$("${CARGO_TARGET_DIR:-target}/release/frames")
+    kernel=$("${CARGO_TARGET_DIR:-target}/release/morph-lab" frames)
     if [ "$kernel" != avx2 ]; then echo "skipped: the counts are those of avx2, not of $kernel"; exit; fi
     recorded=crates/morph_collision_testkit/instructions.txt
     just instructions $(awk '$2 == "all" { print $1 }' "$recorded") | awk -v recorded="$recorded" '
@@ -411,11 +415,11 @@ instructions-check: release
 
 # Compares self-queries with and without certificates in COUNT random expressions of every mesh of MODELS.
 certificates COUNT="1000" *MODELS="assets/dolphin_564.glb assets/mh_character_low.glb assets/mh_head_eyes_teeth_arkit52.glb":
-    cargo run --release -p morph_collision_testkit --bin certificates -- {{COUNT}} {{MODELS}}
+    {{lab}} certificates {{COUNT}} {{MODELS}}
 
 # Checks nearly degenerate pairs of triangles against exact arithmetic: a million of them by default.
 triangles *ARGS:
-    cargo run --release -p morph_collision_testkit --bin triangles -- {{ARGS}}
+    {{lab}} triangles {{ARGS}}
 
 # Line coverage of the folders exact and pose by the tests of the core and the test kit (needs cargo install cargo-llvm-cov).
 coverage:

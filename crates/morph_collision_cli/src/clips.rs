@@ -22,7 +22,7 @@ pub(crate) struct ClipChoice {
 
 /// The animations that cannot be played for a body, by their indices in the file, and why.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct BrokenClips(BTreeMap<usize, String>);
+pub struct BrokenClips(BTreeMap<usize, String>);
 
 /// Why a body has no clip of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl NoClip {
 /// Adds the clips of a mesh's weights. The node is the one that shows the mesh; if none is given, the main one.
 ///
 /// Animations that cannot be played are left out with a warning, which is printed once for each.
-pub(crate) fn read_clips(
+pub fn read_clips(
     files: &FileArgs,
     file: &GltfFile,
     index: usize,

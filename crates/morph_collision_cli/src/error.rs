@@ -10,14 +10,17 @@ use morph_collision_models::inspect::MeshError;
 use morph_collision_models::mesh::TogetherError;
 use morph_collision_models::scenes::SceneError;
 use morph_collision_models::text::Printable;
-use morph_collision_testkit::bench::NoExperiment;
-use morph_collision_testkit::moments::AnswerError;
-use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use thiserror::Error;
+
+use crate::posed::PoseError;
+
+/// An error of any kind.
+pub type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why a command failed. Names the file and, if there is one, the mesh, frame, body and index.
 #[derive(Debug, Error)]
-pub(crate) enum CliError {
+#[expect(missing_docs, reason = "the messages say what they are")]
+pub enum CliError {
     /// Boxed because it is by far the largest.
     #[error("{}{}", .0, Remedy::hint(.0.remedy()))]
     Read(Box<ReadError>),
@@ -69,17 +72,15 @@ pub(crate) enum CliError {
         name: String,
         reason: TogetherError,
     },
+    /// Bodies cannot be made from the meshes of a scene.
     #[error(transparent)]
-    SetUp(SetUpError),
-    /// A named scene of `bench` whose model is missing or broken.
-    #[error(transparent)]
-    NoExperiment(#[from] NoExperiment),
+    SetUp(AnyError),
     #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
     Frame {
         scene: PathBuf,
         frame: usize,
         body: usize,
-        reason: PoseError,
+        reason: AnyError,
     },
     #[error(
         "{}: frame {frame}, bodies {body_a} and {body_b}: more than {most} pairs of triangles, for which the memory limit has no room; raise --memory-limit or use --mode first",
@@ -128,18 +129,6 @@ pub(crate) enum CliError {
         /// Boxed because the variant would be the largest.
         reason: Box<PoseError>,
     },
-    /// A situation drawn for `verify` that the mesh does not allow because its coordinates are too
-    /// large.
-    #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
-    Situation {
-        file: PathBuf,
-        mesh: usize,
-        name: String,
-        reason: PoseError,
-    },
-    /// A scene of `bench`: a model's file or a scene's name.
-    #[error("{scene}: {reason}")]
-    Bench { scene: String, reason: AnswerError },
     #[error("{flag}: {reason}")]
     Flag { flag: &'static str, reason: String },
     /// A mesh could not be exported.

@@ -11,16 +11,12 @@
 //! - `scene` makes a scene file from models.
 //! - `run` replays a scene and reports which triangles intersect, where bodies touch, or how far apart they are.
 //! - `motion` replays a scene and reports when bodies first touch between frames.
-//! - `verify` compares a model's answers with brute force.
-//! - `stress` does the same with generated, difficult meshes.
-//! - `bench` measures the library against other methods.
 //! - `completions` and `man` print help for shells and for `man`.
 //!
-//! Results go to stdout, errors and progress to stderr. The exit code is 2 after an error, and 1 if `verify`, `stress` or `bench`
-//! found something wrong, or `lint` or `sweep --fail-on-touch` something that touches.
+//! Results go to stdout, errors and progress to stderr. The exit code is 2 after an error, and 1 if `lint` or `sweep --fail-on-touch` found
+//! something that touches.
 #![forbid(unsafe_code)]
 
-mod bench;
 mod blame;
 mod cast;
 mod clip_files;
@@ -36,12 +32,10 @@ mod help;
 mod inspect;
 mod left_out;
 pub mod lint;
-mod methods;
 mod model_file;
 mod motion;
 mod output;
 mod output_file;
-mod paper_options;
 mod picture;
 mod posed;
 mod progress;
@@ -49,12 +43,10 @@ mod query;
 mod run;
 mod scene;
 mod shape_args;
-mod stress;
 mod sweep;
 mod told_clips;
 mod touching;
 mod tree_options;
-mod verify;
 
 use std::process::ExitCode;
 
@@ -62,13 +54,26 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use crate::progress::{Listener, Told, listen};
 
-use crate::error::CliError;
+use crate::error::{AnyError, CliError};
 use crate::progress::ProgressArgs;
+
+/// What `morph-lab`, the program of the test kit, shares with this one: how files are read, bodies are set up, and results are written.
+pub mod shared {
+    pub use crate::cast::{SetUp, Shape, Source};
+    pub use crate::clips::read_clips;
+    pub use crate::error::{AnyError, CliError};
+    pub use crate::model_file::{FileArgs, MeshChoice, count_memory, leave_out_unweighted, read_mesh};
+    pub use crate::output::{complain, counted, print, print_json};
+    pub use crate::progress::{ProgressArgs, Steps, count, doing};
+    pub use crate::run::{Mode, PairFinder, RunArgs, run, run_with};
+    pub use crate::tree_options::TreeArgs;
+    pub use crate::{Verdict, run_cli};
+}
 
 /// Exact collision detection for glTF models with morph targets and joints.
 ///
-/// Results go to standard output, errors and progress to standard error. The exit code is 2 after an error, and 1 if `verify`, `stress`
-/// or `bench` finds a wrong answer, or `lint` or `sweep --fail-on-touch` something that touches.
+/// Results go to standard output, errors and progress to standard error. The exit code is 2 after an error, and 1 if `lint` or
+/// `sweep --fail-on-touch` finds something that touches.
 #[derive(Debug, Parser)]
 #[command(name = "morph-collide", version)]
 struct Cli {
@@ -88,16 +93,13 @@ enum Command {
     Scene(scene::SceneArgs),
     Run(run::RunArgs),
     Motion(motion::MotionArgs),
-    Verify(verify::VerifyArgs),
-    Stress(stress::StressArgs),
-    Bench(bench::BenchArgs),
     Completions(guides::CompletionsArgs),
     Man(guides::ManArgs),
 }
 
 /// The outcome of a command that ran to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
+pub enum Verdict {
     /// Nothing is wrong.
     Clean,
     /// An answer is wrong, or something touches that must not.
@@ -107,8 +109,34 @@ enum Verdict {
 /// Runs the program with the arguments of this process.
 #[must_use]
 pub fn run_program() -> ExitCode {
-    let matches = help::wrapped(Cli::command()).try_get_matches();
-    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+    run_cli(|cli: &Cli| {
+        cli.progress.start();
+        Ok(run_command(&cli.command)?)
+    })
+}
+
+fn run_command(command: &Command) -> Result<Verdict, CliError> {
+    let clean = |()| Verdict::Clean;
+    match command {
+        Command::Inspect(args) => inspect::inspect(args).map(clean),
+        Command::Query(args) => query::query(args).map(clean),
+        Command::Sweep(args) => sweep::sweep(args),
+        Command::Lint(args) => lint::lint(args),
+        Command::Export(args) => export::export(args).map(clean),
+        Command::Scene(args) => scene::scene(args).map(clean),
+        Command::Run(args) => run::run(args).map(clean),
+        Command::Motion(args) => motion::motion(args).map(clean),
+        Command::Completions(args) => guides::completions(args).map(clean),
+        Command::Man(args) => guides::man(args).map(clean),
+    }
+}
+
+/// Parses the arguments of this process and runs a command. Writes errors to stderr, after the program's name, and returns the exit code.
+pub fn run_cli<C: CommandFactory + FromArgMatches>(run: impl FnOnce(&C) -> Result<Verdict, AnyError>) -> ExitCode {
+    let command = C::command();
+    output::set_program(command.get_name());
+    let matches = help::wrapped(command).try_get_matches();
+    let cli = match matches.and_then(|matches| C::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
             output::complain_at_length(error.render());
@@ -120,30 +148,16 @@ pub fn run_program() -> ExitCode {
             return ExitCode::SUCCESS;
         }
     };
-    cli.progress.start();
-    let clean = |()| Verdict::Clean;
-    let result = match &cli.command {
-        Command::Inspect(args) => inspect::inspect(args).map(clean),
-        Command::Query(args) => query::query(args).map(clean),
-        Command::Sweep(args) => sweep::sweep(args),
-        Command::Lint(args) => lint::lint(args),
-        Command::Export(args) => export::export(args).map(clean),
-        Command::Scene(args) => scene::scene(args).map(clean),
-        Command::Run(args) => run::run(args).map(clean),
-        Command::Motion(args) => motion::motion(args).map(clean),
-        Command::Verify(args) => verify::verify(args),
-        Command::Stress(args) => stress::stress(args),
-        Command::Bench(args) => bench::bench(args),
-        Command::Completions(args) => guides::completions(args).map(clean),
-        Command::Man(args) => guides::man(args).map(clean),
+    let error = match run(&cli) {
+        Ok(Verdict::Clean) => return ExitCode::SUCCESS,
+        Ok(Verdict::FoundWrong) => return ExitCode::FAILURE,
+        Err(error) => error,
     };
-    match result {
-        Ok(Verdict::Clean) => ExitCode::SUCCESS,
-        Ok(Verdict::FoundWrong) => ExitCode::FAILURE,
-        Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => {
-            output::complain(format_args!("error: {error}"));
-            ExitCode::from(2)
-        }
+    if let Some(CliError::Stdout(reason)) = error.downcast_ref()
+        && reason.kind() == std::io::ErrorKind::BrokenPipe
+    {
+        return ExitCode::SUCCESS;
     }
+    output::complain(format_args!("error: {error}"));
+    ExitCode::from(2)
 }

@@ -28,7 +28,7 @@ pub(crate) const STANDARD: &str = "-";
 
 /// How far commands trust the files they read.
 #[derive(Debug, Default, Args)]
-pub(crate) struct FileArgs {
+pub struct FileArgs {
     /// The most memory that a file may take with everything that is built from it; for a scene, all its files together.
     ///
     /// A number and B, KiB, MiB, GiB or TiB; 1GiB by default. Files can claim far more memory than they store, so memory is estimated, on
@@ -59,7 +59,10 @@ impl FileArgs {
     }
 
     /// Refuses file options when no file is named.
-    pub(crate) fn refuse_without_files(&self) -> Result<(), CliError> {
+    ///
+    /// # Errors
+    /// One is given.
+    pub fn refuse_without_files(&self) -> Result<(), CliError> {
         for (flag, given) in [
             ("--memory-limit", self.memory_limit.is_some()),
             ("--allow-any-path", self.allow_any_path),
@@ -74,7 +77,10 @@ impl FileArgs {
     }
 
     /// Opens a model file; `-` is stdin.
-    pub(crate) fn open(&self, model: &Path) -> Result<GltfFile, CliError> {
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn open(&self, model: &Path) -> Result<GltfFile, CliError> {
         self.open_within(model, &MemoryBudget::new(self.memory_limit()))
     }
 
@@ -104,7 +110,10 @@ impl FileArgs {
     }
 
     /// Opens a model file and reads one of its meshes, which `flag` names.
-    pub(crate) fn open_mesh(
+    ///
+    /// # Errors
+    /// It cannot be read, or there is no such mesh.
+    pub fn open_mesh(
         &self,
         model: &Path,
         mesh: &MeshChoice,
@@ -139,7 +148,7 @@ pub(crate) fn has_extension(file: &Path, extensions: &[&str]) -> bool {
 
 /// A mesh of a file, by index or by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct MeshChoice(pub(crate) String);
+pub struct MeshChoice(pub String);
 
 impl Default for MeshChoice {
     fn default() -> Self {
@@ -201,7 +210,10 @@ fn in_all(count: usize) -> String {
 
 /// Reads a mesh that takes part in collisions, as a node shows it, or else its main node: with its skin and its default weights, but without
 /// the clips of its weights.
-pub(crate) fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> Result<MorphMesh, CliError> {
+///
+/// # Errors
+/// It cannot be read.
+pub fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> Result<MorphMesh, CliError> {
     let mut found = file.mesh(index)?;
     found
         .check_triangles()
@@ -242,7 +254,7 @@ pub(crate) fn check_parts(file: &GltfFile, index: usize, mesh: &MorphMesh) -> Re
 ///
 /// # Errors
 /// No triangle is left.
-pub(crate) fn leave_out_unweighted(
+pub fn leave_out_unweighted(
     file: &GltfFile,
     index: usize,
     mesh: &mut MorphMesh,
@@ -259,12 +271,10 @@ pub(crate) fn leave_out_unweighted(
 }
 
 /// Counts `bytes` for data derived from a mesh against the file's memory budget.
-pub(crate) fn count_memory(
-    file: &GltfFile,
-    index: usize,
-    bytes: u64,
-    what: impl FnOnce() -> String,
-) -> Result<(), CliError> {
+///
+/// # Errors
+/// It has no room for them.
+pub fn count_memory(file: &GltfFile, index: usize, bytes: u64, what: impl FnOnce() -> String) -> Result<(), CliError> {
     let taken = file.budget().take(bytes, 1, what);
     taken.map_err(|over| mesh_error(file, index, over.into()))
 }

@@ -5,6 +5,7 @@
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use morph_collision_models::left_out::LeftOut;
@@ -21,6 +22,18 @@ const VERSION: u32 = 1;
 
 /// Whether a file is written to stdout, so that reports have to go to stderr.
 static STDOUT_IS_TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// The name of the program, for messages.
+static PROGRAM: OnceLock<String> = OnceLock::new();
+
+/// Names the program before the first message.
+pub(crate) fn set_program(name: &str) {
+    PROGRAM.get_or_init(|| name.to_owned());
+}
+
+fn program() -> &'static str {
+    PROGRAM.get().map_or("morph-collide", String::as_str)
+}
 
 /// A report with the version of its format.
 #[derive(Serialize)]
@@ -52,12 +65,18 @@ pub(crate) fn leave_stdout_to_a_file() {
 }
 
 /// Writes one report to stdout. Line breaks are kept; all other unprintable characters are escaped.
-pub(crate) fn print(text: &str) -> Result<(), CliError> {
+///
+/// # Errors
+/// [`CliError::Stdout`].
+pub fn print(text: &str) -> Result<(), CliError> {
     write(&printable_lines(text))
 }
 
 /// Writes one JSON object and a line end to stdout.
-pub(crate) fn print_json(report: &impl Serialize) -> Result<(), CliError> {
+///
+/// # Errors
+/// [`CliError::Stdout`].
+pub fn print_json(report: &impl Serialize) -> Result<(), CliError> {
     let report = Versioned {
         version: VERSION,
         report,
@@ -83,12 +102,12 @@ pub(crate) fn write(text: &str) -> Result<(), CliError> {
 
 /// Writes a one-line message to stderr after the program's name, or passes it to the listener. Failures are ignored because there is nobody
 /// left to tell.
-pub(crate) fn complain(message: impl Display) {
+pub fn complain(message: impl Display) {
     progress::clear();
     let text = message.to_string();
     let text = Printable(text.trim_end()).to_string();
     if !progress::warn_listener(&text) {
-        let _ = writeln!(io::stderr().lock(), "morph-collide: {text}");
+        let _ = writeln!(io::stderr().lock(), "{}: {text}", program());
     }
 }
 
@@ -97,13 +116,15 @@ pub(crate) fn complain_at_length(message: impl Display) {
     let text = message.to_string();
     let _ = write!(
         io::stderr().lock(),
-        "morph-collide: {}",
+        "{}: {}",
+        program(),
         printable_lines(text.trim_end())
     );
 }
 
 /// A number with its noun: `1 body`, `1,234 bodies`.
-pub(crate) fn counted(number: usize, one: &str, many: &str) -> String {
+#[must_use]
+pub fn counted(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", Grouped(number as u64), if number == 1 { one } else { many })
 }
 

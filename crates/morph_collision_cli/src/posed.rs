@@ -2,19 +2,33 @@
 
 use std::sync::Arc;
 
-use glam::Affine3A;
-use morph_collision::{Body, BuildOptions, JointMatrices, MorphBvh, Pose, WorldFromModel};
+use glam::{Affine3A, DVec3};
+use morph_collision::{
+    Aabb, Body, BuildOptions, InputError, JointMatrices, MorphBvh, MorphModel, Pose, WeightsError, WorldFromModel,
+};
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_testkit::rivals::{PoseError, SetUpError};
+use thiserror::Error;
 
-use crate::cast::{SetUp, Shape};
+use crate::cast::{SetUp, Shape, Source};
+use crate::error::AnyError;
 use crate::tree_options::TreeArgs;
 
 /// A body at one moment.
 #[derive(Debug)]
-pub(crate) struct Posed {
+pub struct Posed {
     pub(crate) pose: Pose,
-    place: WorldFromModel,
+    world_from_model: WorldFromModel,
+}
+
+/// Why a body refuses a shape.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PoseError {
+    /// The weights.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// The joints or the placement.
+    #[error(transparent)]
+    Transform(#[from] InputError),
 }
 
 impl Posed {
@@ -22,7 +36,7 @@ impl Posed {
     pub(crate) fn new(tree: Arc<MorphBvh>) -> Self {
         Self {
             pose: Pose::new(tree),
-            place: WorldFromModel::IDENTITY,
+            world_from_model: WorldFromModel::IDENTITY,
         }
     }
 
@@ -32,17 +46,30 @@ impl Posed {
             self.pose.set_joints(&JointMatrices::new(joints)?)?;
         }
         self.pose.set_weights(&shape.weights)?;
-        self.place = WorldFromModel::new(shape.world_from_model)?;
+        self.world_from_model = WorldFromModel::new(shape.world_from_model)?;
         Ok(())
     }
 
     pub(crate) fn body(&mut self) -> Body<'_> {
-        Body::new(&mut self.pose, &self.place)
+        Body::new(&mut self.pose, &self.world_from_model)
     }
 
     /// A box around it in world space.
-    pub(crate) fn bounds(&mut self) -> morph_collision::Aabb {
-        self.pose.world_bounds(&self.place)
+    pub(crate) fn bounds(&mut self) -> Aabb {
+        self.pose.world_bounds(&self.world_from_model)
+    }
+
+    /// A box around it in world space that is cheap to compute.
+    pub(crate) fn broad_phase_bounds(&mut self) -> Aabb {
+        self.pose.broad_phase_bounds(&self.world_from_model)
+    }
+
+    /// Its vertices in world space, in the order of its mesh.
+    pub(crate) fn vertices(&mut self) -> Vec<DVec3> {
+        let bvh = Arc::clone(self.pose.bvh());
+        let mut body = self.body();
+        let welded = bvh.model().welded_from_source().iter();
+        welded.filter_map(|&vertex| body.vertex(vertex)).collect()
     }
 }
 
@@ -54,9 +81,10 @@ impl SetUp for TreeArgs {
         (mesh.tree_bytes(), mesh.body_bytes(false))
     }
 
-    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Vec<Posed>, SetUpError> {
-        let trees = trees(meshes, &self.build())?;
-        Ok(mesh_of_body
+    fn set_up(&self, source: &Source<'_>) -> Result<Vec<Posed>, AnyError> {
+        let trees = trees(source, &self.build());
+        Ok(source
+            .mesh_of_body
             .iter()
             .map(|&mesh| Posed::new(Arc::clone(&trees[mesh])))
             .collect())
@@ -64,12 +92,9 @@ impl SetUp for TreeArgs {
 }
 
 /// One tree per mesh.
-pub(crate) fn trees(meshes: &[MorphMesh], options: &BuildOptions) -> Result<Vec<Arc<MorphBvh>>, SetUpError> {
-    let tree = |(mesh, source): (usize, &MorphMesh)| {
-        let model = source.to_model().map_err(|reason| SetUpError::Model { mesh, reason })?;
-        Ok(Arc::new(MorphBvh::build(Arc::new(model), options)))
-    };
-    meshes.iter().enumerate().map(tree).collect()
+pub(crate) fn trees(source: &Source<'_>, options: &BuildOptions) -> Vec<Arc<MorphBvh>> {
+    let tree = |model: &Arc<MorphModel>| Arc::new(MorphBvh::build(Arc::clone(model), options));
+    source.models.iter().map(tree).collect()
 }
 
 /// The joints of a skinned mesh that stands at `world_from_model`.

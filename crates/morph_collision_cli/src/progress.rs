@@ -14,7 +14,7 @@ use crate::output;
 
 /// The progress option of all commands.
 #[derive(Debug, Args)]
-pub(crate) struct ProgressArgs {
+pub struct ProgressArgs {
     /// Seconds between progress lines on standard error when it is not a terminal; 0 writes one for every step.
     #[arg(
         long,
@@ -82,7 +82,7 @@ fn now() -> MutexGuard<'static, Option<Activity>> {
 
 impl ProgressArgs {
     /// Starts to show what the program does.
-    pub(crate) fn start(&self) {
+    pub fn start(&self) {
         *now() = Some(Activity::new(Audience::Stderr {
             start: Instant::now(),
             every_step: self.progress == 0,
@@ -112,7 +112,7 @@ impl ProgressArgs {
 }
 
 /// Says what is done next. Something that may take long follows.
-pub(crate) fn doing(what: impl Into<String>) {
+pub fn doing(what: impl Into<String>) {
     if let Some(activity) = now().as_mut() {
         activity.begin(what.into(), None);
     }
@@ -120,10 +120,10 @@ pub(crate) fn doing(what: impl Into<String>) {
 
 /// Counts the steps of an activity.
 #[derive(Debug)]
-pub(crate) struct Steps(());
+pub struct Steps(());
 
 /// Starts to count `what` up to `length`.
-pub(crate) fn count(what: &str, length: u64) -> Steps {
+pub fn count(what: &str, length: u64) -> Steps {
     if let Some(activity) = now().as_mut() {
         activity.begin(what.to_owned(), Some((0, length)));
     }
@@ -132,7 +132,7 @@ pub(crate) fn count(what: &str, length: u64) -> Steps {
 
 impl Steps {
     /// Counts one step.
-    pub(crate) fn step(&self) {
+    pub fn step(&self) {
         let mut line = None;
         if let Some(activity) = now().as_mut() {
             if let Some((done, _)) = &mut activity.steps {

@@ -5,7 +5,7 @@ use morph_collision::BuildOptions;
 
 /// How trees are built. Defaults are the library's.
 #[derive(Debug, Default, Args)]
-pub(crate) struct TreeArgs {
+pub struct TreeArgs {
     /// The most triangles in a leaf of this library's trees, 1 to 255; 8 by default. It changes the speed, never an answer.
     #[arg(long, value_name = "N", value_parser = parse_leaf)]
     leaf: Option<BuildOptions>,
@@ -21,11 +21,14 @@ fn parse_leaf(text: &str) -> Result<BuildOptions, String> {
 
 impl TreeArgs {
     /// The leaf size, if it was given.
-    pub(crate) fn leaf(&self) -> Option<usize> {
+    #[must_use]
+    pub fn leaf(&self) -> Option<usize> {
         self.leaf.map(|options| options.leaf_size())
     }
 
-    pub(crate) fn build(&self) -> BuildOptions {
+    /// The options of a tree.
+    #[must_use]
+    pub fn build(&self) -> BuildOptions {
         self.leaf.unwrap_or_default()
     }
 }

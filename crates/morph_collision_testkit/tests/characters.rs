@@ -1,8 +1,9 @@
 //! The scenes with models by other people show what they were made for.
 
+use morph_collision::batch::Wanted;
 use morph_collision::{Aabb, QueryStats};
 use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
-use morph_collision_testkit::rivals::{BroadPhase, CastHit, MethodOptions, Wanted};
+use morph_collision_testkit::rivals::{BroadPhase, CastHit, MethodOptions};
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
 

@@ -9,8 +9,9 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::TrianglePair;
 use bevy_morph_collision::prelude::*;
+use morph_collision::batch::Wanted;
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, Wanted};
+use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions};
 
 use super::{Accepted, Verdict};
 use crate::view::group::Member;

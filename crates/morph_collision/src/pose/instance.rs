@@ -8,7 +8,7 @@ use super::placed_body::PlacedBody;
 use super::posed::{Blended, Posed, Scratch};
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
-use super::weights::{self, WeightsError};
+use super::weights::WeightsError;
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
 use crate::input_error::InputError;
 use crate::joints::JointMatrices;
@@ -136,7 +136,7 @@ impl Pose {
     /// [`WeightsError`] if the number of weights is wrong, if a weight is not finite, or if the weights could move a vertex out of
     /// the range of `f32`. The pose then keeps its weights.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
-        weights::check(self.bvh.model(), weights)?;
+        self.bvh.model().check_weights(weights)?;
         let changed = self.weights.all() != weights;
         if changed {
             self.weights.set(weights);

@@ -32,22 +32,30 @@ pub enum WeightsError {
     },
 }
 
-/// Checks weights before a pose accepts them.
-pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsError> {
-    if weights.len() != model.target_count() {
-        return Err(WeightsError::WrongCount {
-            given: weights.len(),
-            expected: model.target_count(),
-        });
+impl MorphModel {
+    /// Checks weights without a pose: whether [`Pose::set_weights`](crate::Pose::set_weights) accepts them.
+    ///
+    /// Cost: one pass over the weights.
+    ///
+    /// # Errors
+    /// [`WeightsError`] if the number of weights is wrong, if a weight is not finite, or if the weights could move a vertex out of the
+    /// range of `f32`.
+    pub fn check_weights(&self, weights: &[f32]) -> Result<(), WeightsError> {
+        if weights.len() != self.target_count() {
+            return Err(WeightsError::WrongCount {
+                given: weights.len(),
+                expected: self.target_count(),
+            });
+        }
+        let limit = f64::from(2.0 * LARGEST);
+        let of_target = |(value, reach): (&f32, &f32)| f64::from(value.abs()) * f64::from(*reach);
+        let of_targets = weights.iter().zip(self.target_reach()).map(of_target);
+        // False if a weight is not finite: infinity times zero is NaN.
+        if of_targets.fold(f64::from(self.base_reach()), |sum, reach| sum + reach) <= limit {
+            return Ok(());
+        }
+        explain(self, weights)
     }
-    let limit = f64::from(2.0 * LARGEST);
-    let of_target = |(value, reach): (&f32, &f32)| f64::from(value.abs()) * f64::from(*reach);
-    let of_targets = weights.iter().zip(model.target_reach()).map(of_target);
-    // False if a weight is not finite: infinity times zero is NaN.
-    if of_targets.fold(f64::from(model.base_reach()), |sum, reach| sum + reach) <= limit {
-        return Ok(());
-    }
-    explain(model, weights)
 }
 
 /// Finds the weight that is refused.

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Affine3A;
+use morph_collision::MorphModel;
 use morph_collision_models::gltf::read::GltfFile;
 use morph_collision_models::memory::MemoryBudget;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes::SceneBody;
 use morph_collision_models::skeleton::Skeleton;
-use morph_collision_testkit::rivals::SetUpError;
 
 use super::SetUp;
 use crate::clip_files::ClipFiles;
@@ -188,19 +189,19 @@ impl<'a> Library<'a> {
         format!("{} meshes with {triangles} triangles", self.meshes.len())
     }
 
-    /// Adds the file and index of the mesh to a method's error.
-    pub(super) fn blame(&self, error: SetUpError) -> CliError {
-        match error {
-            SetUpError::Model { mesh, reason } => {
-                let (real, index, _) = self.origins[mesh].clone();
-                CliError::Mesh {
-                    file: self.files.get(&real).map_or(real, |file| file.path().to_owned()),
-                    mesh: index,
-                    name: self.meshes[mesh].name.clone(),
-                    reason: reason.into(),
-                }
-            }
-            other => CliError::SetUp(other),
-        }
+    /// The model of each mesh.
+    ///
+    /// # Errors
+    /// A mesh is bad.
+    pub(super) fn models(&self) -> Result<Vec<Arc<MorphModel>>, CliError> {
+        let model = |(mesh, (real, index, _)): (&MorphMesh, &Origin)| {
+            mesh.to_model().map(Arc::new).map_err(|reason| CliError::Mesh {
+                file: self.files.get(real).map_or(real.as_path(), GltfFile::path).to_owned(),
+                mesh: *index,
+                name: mesh.name.clone(),
+                reason: reason.into(),
+            })
+        };
+        self.meshes.iter().zip(&self.origins).map(model).collect()
     }
 }

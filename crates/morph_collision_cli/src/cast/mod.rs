@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Affine3A;
+use morph_collision::MorphModel;
 use morph_collision_models::gltf::read::GltfFile;
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_models::scenes::Scene;
+use morph_collision_models::scenes::{Scene, SceneBody};
 use morph_collision_models::skeleton::Skeleton;
 use morph_collision_models::weight_list::TargetNames;
-use morph_collision_testkit::rivals::{SetUpError, WeightLimits};
 
-use crate::error::CliError;
+use crate::error::{AnyError, CliError};
 use crate::model_file::FileArgs;
 use crate::posed::placed;
 use crate::progress;
@@ -54,22 +54,39 @@ pub(crate) struct Cast<B> {
 
 /// A body's weights, joints and placement in a frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Shape {
-    pub(crate) weights: Arc<[f32]>,
+pub struct Shape {
+    /// One weight per target.
+    pub weights: Arc<[f32]>,
     /// The matrices of the joints of a skinned mesh in world space.
-    pub(crate) joints: Option<Vec<Affine3A>>,
-    pub(crate) world_from_model: Affine3A,
+    pub joints: Option<Vec<Affine3A>>,
+    /// Where a mesh without joints is.
+    pub world_from_model: Affine3A,
+}
+
+/// What bodies are made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// The distinct meshes of the bodies.
+    pub meshes: &'a [MorphMesh],
+    /// The model of each mesh.
+    pub models: &'a [Arc<MorphModel>],
+    /// The index of each body's mesh.
+    pub mesh_of_body: &'a [usize],
 }
 
 /// How a command turns meshes into bodies.
-pub(crate) trait SetUp {
+pub trait SetUp {
+    /// The bodies of a scene.
     type Bodies;
 
     /// The bytes that a mesh's tree takes, and that each of its bodies takes.
     fn bytes(&self, mesh: &MorphMesh) -> (u64, u64);
 
-    /// Creates bodies of the given meshes.
-    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Self::Bodies, SetUpError>;
+    /// Creates the bodies.
+    ///
+    /// # Errors
+    /// A mesh is not supported.
+    fn set_up(&self, source: &Source<'_>) -> Result<Self::Bodies, AnyError>;
 }
 
 impl<B> Cast<B> {
@@ -90,13 +107,17 @@ impl<B> Cast<B> {
         }
         library.count_memory(&of_bodies, options)?;
         progress::doing(format!("building the trees of {}", library.contents()));
-        let method = options
-            .set_up(&library.meshes, &of_bodies)
-            .map_err(|error| library.blame(error))?;
+        let models = library.models()?;
+        let source = Source {
+            meshes: &library.meshes,
+            models: &models,
+            mesh_of_body: &of_bodies,
+        };
+        let method = options.set_up(&source).map_err(CliError::SetUp)?;
 
         progress::doing("checking the scene's frames");
-        let frames = frames(path, scene, &mut library, &of_bodies)?;
-        let name = |(body, spec): (usize, &morph_collision_models::scenes::SceneBody)| {
+        let frames = frames(path, scene, &mut library, &models, &of_bodies)?;
+        let name = |(body, spec): (usize, &SceneBody)| {
             let name = spec.name.clone();
             name.unwrap_or_else(|| library.meshes[of_bodies[body]].name.clone())
         };
@@ -117,6 +138,16 @@ impl<B> Cast<B> {
             mesh_of_body: of_bodies,
             frames,
         })
+    }
+
+    /// The error for a shape that a body refuses.
+    pub(crate) fn refused(&self, frame: usize, body: usize, reason: impl Into<AnyError>) -> CliError {
+        CliError::Frame {
+            scene: self.scene.clone(),
+            frame,
+            body,
+            reason: reason.into(),
+        }
     }
 
     /// The mesh of a body.
@@ -163,6 +194,7 @@ fn frames(
     path: &Path,
     scene: &Scene,
     library: &mut Library<'_>,
+    models: &[Arc<MorphModel>],
     of_bodies: &[usize],
 ) -> Result<Vec<Vec<BodyState>>, CliError> {
     let mut lent = HashSet::new();
@@ -181,7 +213,6 @@ fn frames(
         }
     }
     library.clip_files.warn();
-    let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
     let names: Vec<TargetNames<'_>> = library
         .meshes
         .iter()
@@ -209,7 +240,7 @@ fn frames(
                 clips.unwrap_or_default(),
                 &library.meshes[mesh],
                 &names[mesh],
-                &limits[mesh],
+                &models[mesh],
             );
             checked.push(state.map_err(wrong)?);
         }

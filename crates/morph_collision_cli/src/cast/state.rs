@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use glam::Affine3A;
-use morph_collision::WorldFromModel;
+use morph_collision::{MorphModel, WorldFromModel};
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes;
 use morph_collision_models::weight_list::{TargetNames, WeightList};
-use morph_collision_testkit::rivals::WeightLimits;
 
 use crate::clips::ClipChoice;
 
@@ -46,7 +45,7 @@ impl BodyState {
         clips: ClipChoice,
         mesh: &MorphMesh,
         names: &TargetNames<'_>,
-        limits: &WeightLimits,
+        model: &MorphModel,
     ) -> Result<Self, String> {
         let world_from_model = state.world_from_model();
         WorldFromModel::new(world_from_model).map_err(|error| error.to_string())?;
@@ -64,8 +63,8 @@ impl BodyState {
         let are_zero =
             matches!(&checked.weights, Weights::Some(given) if given.is_empty()) && mesh.default_weights.is_empty();
         if clips.weights.is_none() && !are_zero {
-            limits
-                .check(&checked.weights(mesh))
+            model
+                .check_weights(&checked.weights(mesh))
                 .map_err(|error| error.to_string())?;
         }
         Ok(checked)

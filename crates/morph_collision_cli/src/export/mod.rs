@@ -131,7 +131,7 @@ pub(crate) fn export(args: &ExportArgs) -> Result<(), CliError> {
     }
     let file = OutputFile::create("--output", &args.output, &cast.inputs)?;
     let touches = touches(&mut cast, frame)?;
-    let surface = Surface::new(&cast, frame, &touches);
+    let surface = Surface::new(&mut cast, &touches);
     let report = ExportReport {
         file: args.output.display().to_string(),
         format,
@@ -170,12 +170,9 @@ pub(crate) fn export(args: &ExportArgs) -> Result<(), CliError> {
 fn touches(cast: &mut Cast<Vec<Posed>>, frame: usize) -> Result<Vec<Touch>, CliError> {
     for body in 0..cast.bodies {
         let shape = cast.shape(frame, body);
-        cast.method[body].set(&shape).map_err(|reason| CliError::Frame {
-            scene: cast.scene.clone(),
-            frame,
-            body,
-            reason,
-        })?;
+        cast.method[body]
+            .set(&shape)
+            .map_err(|reason| cast.refused(frame, body, reason))?;
     }
     let mut touches = Vec::new();
     match Search::default().touching(&mut cast.method, Among::All, cast.most_pairs, &mut touches) {

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use morph_collision_models::gltf::write::Appearance;
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_testkit::oracle::BodyPose;
 
 use crate::cast::Cast;
 use crate::posed::Posed;
@@ -65,8 +64,8 @@ impl Color {
 }
 
 impl Surface {
-    /// The bodies of a frame; triangles in `touches` have a colour of their own.
-    pub(super) fn new(cast: &Cast<Vec<Posed>>, frame: usize, touches: &[Touch]) -> Self {
+    /// The bodies as they are posed; triangles in `touches` have a colour of their own.
+    pub(super) fn new(cast: &mut Cast<Vec<Posed>>, touches: &[Touch]) -> Self {
         let mut touching: Vec<Vec<bool>> = (0..cast.bodies)
             .map(|body| vec![false; cast.mesh(body).triangles.len()])
             .collect();
@@ -77,18 +76,12 @@ impl Surface {
         }
         let mut surface = Self::default();
         for (body, touching) in touching.iter().enumerate() {
-            let (mesh, shape) = (cast.mesh(body), cast.shape(frame, body));
-            let pose = BodyPose {
-                mesh,
-                weights: &shape.weights,
-                world_from_model: shape.world_from_model,
-                joints: shape.joints.as_deref(),
-            };
+            let vertices = cast.method[body].vertices();
             surface.add(
                 cast.names[body].clone(),
                 Color::Body(body),
-                &pose.world_vertices(),
-                &mesh.triangles,
+                &vertices,
+                &cast.mesh(body).triangles,
                 touching,
             );
         }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use morph_collision_models::gltf::read::GltfFile;
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
 use super::character::characters;
@@ -15,6 +14,7 @@ use crate::clip_files::ClipFiles;
 use crate::clips::NoClip;
 use crate::error::CliError;
 use crate::output;
+use crate::posed::PoseError;
 
 /// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
 pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>, CliError> {

@@ -9,12 +9,12 @@ use glam::Affine3A;
 use morph_collision::{
     Body, JointMatrices, MorphBvh, Pose, SelfDistanceQuery, SelfQuery, TrianglePair, WorldFromModel,
 };
-use morph_collision_testkit::rivals::PoseError;
 
 use super::findings::Finding;
 use super::poses::Tried;
 use super::regions::{Region, regions};
 use crate::depth::{ThresholdArgs, depth};
+use crate::posed::PoseError;
 
 /// Pairs of triangles that are not reported.
 pub(super) type Known = HashSet<TrianglePair>;

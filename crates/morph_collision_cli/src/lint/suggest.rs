@@ -1,12 +1,12 @@
 //! The largest weights that do not clip, for targets and pairs of targets that do.
 
-use morph_collision_testkit::rivals::PoseError;
 use serde::Serialize;
 
 use super::findings::Finding;
 use super::poses::Tried;
 use super::search::{Known, Searcher};
 use super::subject::Subject;
+use crate::posed::PoseError;
 
 /// Weights are tried in this many steps, up to the first that clips.
 const STEPS: u32 = 16;

@@ -11,7 +11,6 @@ use morph_collision_models::gltf::read::GltfFile;
 use morph_collision_models::inspect::MeshError;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::text::Printable;
-use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
 use super::capture::Capture;
@@ -30,6 +29,7 @@ use super::suggest::{Suggestion, suggest};
 use crate::error::CliError;
 use crate::model_file::count_memory;
 use crate::output;
+use crate::posed::PoseError;
 use crate::progress;
 
 /// More threads do not help, and each has a pose.

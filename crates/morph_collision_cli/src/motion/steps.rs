@@ -6,10 +6,9 @@ use std::sync::Arc;
 use morph_collision::QueryStats;
 use morph_collision::motion::{LimitReached, MotionContact, MotionQuery, MovingBody};
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_testkit::rivals::SetUpError;
 
-use crate::cast::{Cast, SetUp};
-use crate::error::CliError;
+use crate::cast::{Cast, SetUp, Source};
+use crate::error::{AnyError, CliError};
 use crate::posed::{Posed, trees};
 use crate::tree_options::TreeArgs;
 
@@ -26,10 +25,14 @@ impl SetUp for Ends<'_> {
         (mesh.tree_bytes(), mesh.body_bytes(false).saturating_mul(2))
     }
 
-    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<BothEnds, SetUpError> {
-        let trees = trees(meshes, &self.0.build())?;
+    fn set_up(&self, source: &Source<'_>) -> Result<BothEnds, AnyError> {
+        let trees = trees(source, &self.0.build());
         let posed = |mesh: usize| Posed::new(Arc::clone(&trees[mesh]));
-        Ok(mesh_of_body.iter().map(|&mesh| [posed(mesh), posed(mesh)]).collect())
+        Ok(source
+            .mesh_of_body
+            .iter()
+            .map(|&mesh| [posed(mesh), posed(mesh)])
+            .collect())
     }
 }
 
@@ -136,10 +139,7 @@ fn moving([start, end]: &mut [Posed; 2]) -> Option<MovingBody<'_>> {
 /// Sets the weights, joints and placement of one end of a body's step.
 fn pose(cast: &mut Cast<BothEnds>, frame: usize, body: usize, end: usize) -> Result<(), CliError> {
     let shape = cast.shape(frame, body);
-    cast.method[body][end].set(&shape).map_err(|reason| CliError::Frame {
-        scene: cast.scene.clone(),
-        frame,
-        body,
-        reason,
-    })
+    cast.method[body][end]
+        .set(&shape)
+        .map_err(|reason| cast.refused(frame, body, reason))
 }

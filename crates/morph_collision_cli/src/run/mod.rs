@@ -1,11 +1,11 @@
 //! `morph-collide run`: replay a scene of scripted bodies and report which triangles intersect.
 //!
 //! ```text
-//! scene.json --Cast--> bodies of a method --replay--> hits and times per frame --report, pairs_csv, picture--> stdout, OUT.csv, OUT.png
+//! scene.json --Cast--> bodies --replay--> hits and times per frame --report, pairs_csv, picture--> stdout, OUT.csv, OUT.png
 //!            --Cast--> posed bodies --surface--> contacts or distances per frame --> stdout, OUT.csv
 //! ```
 
-mod options;
+mod finder;
 mod pairs_csv;
 mod picture;
 mod replay;
@@ -15,17 +15,19 @@ mod surface;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use morph_collision_testkit::rivals::Method;
 
-use crate::cast::Cast;
+use crate::cast::{Cast, SetUp};
 use crate::error::CliError;
 use crate::model_file::FileArgs;
 use crate::output;
 use crate::output_file::OutputFile;
 use crate::picture::Picture;
 use crate::progress;
+use crate::tree_options::TreeArgs;
 
-use options::MethodArgs;
+pub use finder::PairFinder;
+
+use finder::OwnTrees;
 use picture::{Drawn, PictureArgs};
 use replay::Replay;
 use report::RunReport;
@@ -40,14 +42,14 @@ const EXAMPLES: &str = "Examples:
 /// `morph-collide scene` makes scene files, and docs/scene.md describes them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct RunArgs {
+pub struct RunArgs {
     /// A scene file; - reads it from standard input.
     scene: PathBuf,
     /// What to find out about each pair of bodies.
     #[arg(long, value_enum, default_value_t = Mode::All)]
     mode: Mode,
     #[command(flatten)]
-    how: MethodArgs,
+    tree: TreeArgs,
     /// Write what was found to a CSV file; - writes it to standard output, and the summary to standard error.
     ///
     /// A line per pair of triangles; with the modes first and any a line per pair of bodies, with contacts a line per contact point,
@@ -63,12 +65,9 @@ pub(crate) struct RunArgs {
     json: bool,
 }
 
-/// The bodies of a scene, held by a method.
-type Played = Cast<Box<dyn Method>>;
-
 /// What to find out about each pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Mode {
+pub enum Mode {
     /// Every pair of triangles that intersect.
     All,
     /// One pair of triangles that intersect.
@@ -83,7 +82,8 @@ enum Mode {
 
 impl Mode {
     /// Its name on the command line.
-    fn name(self) -> &'static str {
+    #[must_use]
+    pub fn name(self) -> &'static str {
         match self {
             Self::All => "all",
             Self::First => "first",
@@ -94,20 +94,45 @@ impl Mode {
     }
 
     /// Whether it describes surfaces instead of listing pairs.
-    fn is_of_surfaces(self) -> bool {
+    #[must_use]
+    pub fn is_of_surfaces(self) -> bool {
         matches!(self, Self::Contacts | Self::Distance)
     }
 }
 
+impl RunArgs {
+    /// What to find out.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// How trees are built.
+    #[must_use]
+    pub fn tree(&self) -> &TreeArgs {
+        &self.tree
+    }
+}
+
 /// Loads, replays and reports a scene. Reported times exclude loading and writing.
-pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
-    args.how.check(args.mode)?;
+///
+/// # Errors
+/// A file cannot be read or written, or it is not what it should be.
+pub fn run(args: &RunArgs) -> Result<(), CliError> {
+    run_with(args, &OwnTrees(&args.tree), "morph")
+}
+
+/// Like [`run`], with bodies of another method. The modes `contacts` and `distance` always use this library's.
+///
+/// # Errors
+/// See [`run`].
+pub fn run_with<S: SetUp<Bodies: PairFinder>>(args: &RunArgs, method: &S, name: &str) -> Result<(), CliError> {
     args.picture.check_mode(args.mode)?;
     if args.mode.is_of_surfaces() {
         return surface::run(args);
     }
     let scene = args.files.read_scene(&args.scene)?;
-    let mut cast = Cast::load(&args.scene, &scene, &args.how, &args.files)?;
+    let mut cast = Cast::load(&args.scene, &scene, method, &args.files)?;
     args.picture.check(cast.frames.len())?;
     // Checked before the replay, so that a path that cannot be written fails early.
     let output_file = |flag, path: &Option<PathBuf>| {
@@ -136,7 +161,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
         Some(file) => Some(draw(&mut cast, args, &replay, file)?),
         None => None,
     };
-    let report = RunReport::new(&replay, cast.bodies, args.mode, args.how.method(), drawn);
+    let report = RunReport::new(&replay, cast.bodies, args.mode, name, drawn);
     if args.json {
         output::print_json(&report)
     } else {
@@ -145,7 +170,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
 }
 
 /// Draws a frame of a replay into `file`.
-fn draw(cast: &mut Played, args: &RunArgs, replay: &Replay, file: OutputFile) -> Result<Drawn, CliError> {
+fn draw(
+    cast: &mut Cast<impl PairFinder>,
+    args: &RunArgs,
+    replay: &Replay,
+    file: OutputFile,
+) -> Result<Drawn, CliError> {
     let frame = args.picture.frame(&replay.frames);
     let hits = replay::hits_of_frame(cast, args.mode, frame, replay.hits.len())?;
     let bodies = picture::bodies(cast, frame, &hits);

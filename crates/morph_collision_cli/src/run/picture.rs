@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use morph_collision_testkit::oracle::BodyPose;
 
 use super::replay::{FrameCounts, Hit};
-use super::{Mode, Played};
+use super::{Mode, PairFinder};
+use crate::cast::Cast;
 use crate::error::CliError;
 use crate::model_file::has_extension;
 use crate::picture::DrawnBody;
@@ -81,19 +81,14 @@ impl PictureArgs {
     }
 }
 
-/// The bodies of a frame. Triangles in `hits` are marked as touching.
-pub(super) fn bodies(cast: &Played, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
+/// The bodies of a frame, in which they are posed. Triangles in `hits` are marked as touching.
+pub(super) fn bodies(cast: &mut Cast<impl PairFinder>, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
     let mut bodies: Vec<DrawnBody> = (0..cast.bodies)
         .map(|body| {
-            let (mesh, shape) = (cast.mesh(body), cast.shape(frame, body));
-            let pose = BodyPose {
-                mesh,
-                weights: &shape.weights,
-                world_from_model: shape.world_from_model,
-                joints: shape.joints.as_deref(),
-            };
+            let shape = cast.shape(frame, body);
+            let mesh = &cast.meshes[cast.mesh_of_body[body]];
             DrawnBody {
-                vertices: pose.world_vertices(),
+                vertices: cast.method.vertices(body, mesh, &shape),
                 triangles: mesh.triangles.clone(),
                 touching: vec![false; mesh.triangles.len()],
             }

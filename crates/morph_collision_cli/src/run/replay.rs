@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use morph_collision::{QueryStats, TrianglePair};
-use morph_collision_testkit::rivals::{BroadPhase, Wanted};
+use morph_collision::batch::Wanted;
+use morph_collision::{Aabb, QueryStats, TrianglePair, overlapping_pairs};
 
-use super::{Mode, Played};
-use crate::cast::Shape;
+use super::{Mode, PairFinder};
+use crate::cast::{Cast, Shape};
 use crate::error::CliError;
 use crate::progress::Steps;
 
@@ -42,7 +42,12 @@ pub(crate) struct Hit {
 }
 
 /// Replays all frames. Hits are kept only if `keep_hits`, because there can be many.
-pub(crate) fn replay(cast: &mut Played, mode: Mode, keep_hits: bool, progress: &Steps) -> Result<Replay, CliError> {
+pub(crate) fn replay(
+    cast: &mut Cast<impl PairFinder>,
+    mode: Mode,
+    keep_hits: bool,
+    progress: &Steps,
+) -> Result<Replay, CliError> {
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
     let before = cast.method.work();
@@ -67,7 +72,12 @@ pub(crate) fn replay(cast: &mut Played, mode: Mode, keep_hits: bool, progress: &
 /// The hits of one frame in ascending order. This counts as work like any other frame.
 ///
 /// `kept` is the number of hits already in memory.
-pub(crate) fn hits_of_frame(cast: &mut Played, mode: Mode, frame: usize, kept: usize) -> Result<Vec<Hit>, CliError> {
+pub(crate) fn hits_of_frame(
+    cast: &mut Cast<impl PairFinder>,
+    mode: Mode,
+    frame: usize,
+    kept: usize,
+) -> Result<Vec<Hit>, CliError> {
     let mut scratch = Scratch::default();
     let shapes = shapes(cast, frame);
     pose(cast, frame, &shapes)?;
@@ -78,22 +88,15 @@ pub(crate) fn hits_of_frame(cast: &mut Played, mode: Mode, frame: usize, kept: u
 }
 
 /// The shapes of all bodies in a frame.
-fn shapes(cast: &Played, frame: usize) -> Vec<Shape> {
+fn shapes(cast: &Cast<impl PairFinder>, frame: usize) -> Vec<Shape> {
     (0..cast.bodies).map(|body| cast.shape(frame, body)).collect()
 }
 
 /// Sets the weights, joints and placements of all bodies for a frame.
-fn pose(cast: &mut Played, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
+fn pose(cast: &mut Cast<impl PairFinder>, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
     for (body, shape) in shapes.iter().enumerate() {
-        let joints = shape.joints.as_ref().map(|joints| cast.method.set_joints(body, joints));
-        let posed = joints.unwrap_or(Ok(()));
-        let posed = posed.and_then(|()| cast.method.set_body(body, &shape.weights, &shape.world_from_model));
-        posed.map_err(|reason| CliError::Frame {
-            scene: cast.scene.clone(),
-            frame,
-            body,
-            reason,
-        })?;
+        let set = cast.method.set(body, shape);
+        set.map_err(|reason| cast.refused(frame, body, reason))?;
     }
     Ok(())
 }
@@ -101,7 +104,8 @@ fn pose(cast: &mut Played, frame: usize, shapes: &[Shape]) -> Result<(), CliErro
 /// Memory reused from frame to frame.
 #[derive(Default)]
 struct Scratch {
-    broad_phase: BroadPhase,
+    bounds: Vec<Option<Aabb>>,
+    candidates: Vec<(u32, u32)>,
     pairs: Vec<TrianglePair>,
     /// Hits of the latest frame, unsorted, with the frame number not yet set.
     hits: Vec<Hit>,
@@ -112,19 +116,30 @@ impl Scratch {
     ///
     /// Two bodies that collapse to the same point touch in every pair of their triangles. The search therefore fails with an
     /// error as soon as the memory limit has no room for more hits beside the `kept` ones.
-    fn collide(&mut self, cast: &mut Played, frame: usize, mode: Mode, kept: usize) -> Result<FrameCounts, CliError> {
-        let (method, bodies) = (cast.method.as_mut(), cast.bodies);
+    fn collide(
+        &mut self,
+        cast: &mut Cast<impl PairFinder>,
+        frame: usize,
+        mode: Mode,
+        kept: usize,
+    ) -> Result<FrameCounts, CliError> {
+        let method = &mut cast.method;
+        self.bounds.clear();
+        self.bounds
+            .extend((0..cast.bodies).map(|body| Some(method.world_bounds(body))));
+        self.candidates.clear();
+        overlapping_pairs(&self.bounds, &mut self.candidates);
         let room = cast.most_pairs.saturating_sub(kept);
         self.hits.clear();
         let mut counts = FrameCounts::default();
-        for &(body_a, body_b) in self.broad_phase.pairs(method, bodies) {
+        for &(body_a, body_b) in &self.candidates {
             self.pairs.clear();
             let left = room.saturating_sub(self.hits.len());
             let wanted = match mode {
                 Mode::All => Wanted::UpTo(left.saturating_add(1)),
                 Mode::First | Mode::Any | Mode::Contacts | Mode::Distance => Wanted::First,
             };
-            method.collide(body_a as usize, body_b as usize, wanted, &mut self.pairs);
+            method.find(body_a as usize, body_b as usize, wanted, &mut self.pairs);
             if self.pairs.len() > left {
                 return Err(CliError::TooManyPairs {
                     scene: cast.scene.clone(),

@@ -3,7 +3,6 @@
 use std::fmt::Write;
 use std::time::Duration;
 
-use morph_collision_testkit::rivals::MethodKind;
 use serde::Serialize;
 
 use super::Mode;
@@ -40,12 +39,12 @@ struct Spread {
 }
 
 impl RunReport {
-    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode, method: MethodKind, picture: Option<Drawn>) -> Self {
+    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode, method: &str, picture: Option<Drawn>) -> Self {
         let stats = replay.stats;
         Self {
             frames: replay.frames.len(),
             bodies,
-            method: method.to_string(),
+            method: method.to_owned(),
             mode: mode.name(),
             pairs: replay.frames.iter().map(|frame| frame.pairs).collect(),
             body_pairs: replay.frames.iter().map(|frame| frame.body_pairs).collect(),

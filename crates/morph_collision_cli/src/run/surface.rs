@@ -80,7 +80,7 @@ struct Distance {
 /// Loads, replays and reports a scene.
 pub(super) fn run(args: &RunArgs) -> Result<(), CliError> {
     let scene = args.files.read_scene(&args.scene)?;
-    let mut cast = Cast::load(&args.scene, &scene, &args.how.tree, &args.files)?;
+    let mut cast = Cast::load(&args.scene, &scene, &args.tree, &args.files)?;
     let csv = args.pairs.as_deref();
     let csv = csv
         .map(|path| OutputFile::create("--pairs", path, &cast.inputs))
@@ -119,12 +119,9 @@ pub(super) fn run(args: &RunArgs) -> Result<(), CliError> {
 fn pose(cast: &mut Surfaces, frame: usize) -> Result<(), CliError> {
     for body in 0..cast.bodies {
         let shape = cast.shape(frame, body);
-        cast.method[body].set(&shape).map_err(|reason| CliError::Frame {
-            scene: cast.scene.clone(),
-            frame,
-            body,
-            reason,
-        })?;
+        cast.method[body]
+            .set(&shape)
+            .map_err(|reason| cast.refused(frame, body, reason))?;
     }
     Ok(())
 }

@@ -69,12 +69,7 @@ pub(super) fn rows(
         for body in 0..cast.bodies {
             let shape = cast.shape(frame, body);
             let set = cast.method[body].set(&shape);
-            set.map_err(|reason| CliError::Frame {
-                scene: cast.scene.clone(),
-                frame,
-                body,
-                reason,
-            })?;
+            set.map_err(|reason| cast.refused(frame, body, reason))?;
             weights.push(shape.weights);
         }
         touches.clear();
@@ -118,12 +113,7 @@ fn at_rest(cast: &mut Swept, search: &mut Search, among: Among, same_places: boo
     for body in 0..cast.bodies {
         let shape = cast.at_rest(0, body);
         let set = cast.method[body].set(&shape);
-        set.map_err(|reason| CliError::Frame {
-            scene: cast.scene.clone(),
-            frame: 0,
-            body,
-            reason,
-        })?;
+        set.map_err(|reason| cast.refused(0, body, reason))?;
     }
     let among = match (among, same_places) {
         (Among::Bodies, false) => return Ok(HashSet::new()),

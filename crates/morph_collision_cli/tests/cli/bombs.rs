@@ -18,7 +18,7 @@ const SYSTEM_LIMIT: u32 = 2_000_000;
 fn limited(args: &[&OsStr]) -> Result<Output, Box<dyn Error>> {
     let script = format!("ulimit -v {SYSTEM_LIMIT} && exec \"$0\" \"$@\"");
     let mut command = Command::new("sh");
-    command.arg("-c").arg(script).arg(env!("CARGO_BIN_EXE_morph-collide"));
+    command.arg("-c").arg(script).arg(crate::PROGRAM_FILE);
     Ok(command.args(args).output()?)
 }
 
@@ -101,12 +101,10 @@ fn a_bomb_is_refused_by_every_command_that_reads_models() -> TestResult {
         assert!(text.len() < 3000, "{} bytes are no small file", text.len());
         std::fs::write(&path, text)?;
         let model: &OsStr = path.as_os_str();
-        let commands: [&[&OsStr]; 5] = [
+        let commands: [&[&OsStr]; 3] = [
             &["inspect".as_ref(), model],
             &["run".as_ref(), scene.as_os_str()],
             &["query".as_ref(), model, "--self".as_ref()],
-            &["verify".as_ref(), model, "--frames".as_ref(), "1".as_ref()],
-            &["bench".as_ref(), model, "--method".as_ref(), "hybrid".as_ref()],
         ];
         for args in commands {
             let message = error_of(&limited(args)?);
@@ -135,12 +133,7 @@ fn a_scene_of_many_states_is_counted() -> TestResult {
         &scene,
         format!(r#"{{"bodies": [{{"model": "model.gltf"}}], "frames": [{frames}]}}"#),
     )?;
-    let output = limited(&[
-        "run".as_ref(),
-        scene.as_os_str(),
-        "--method".as_ref(),
-        "brute-force".as_ref(),
-    ])?;
+    let output = limited(&["run".as_ref(), scene.as_os_str()])?;
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let output = limited(&[
         "run".as_ref(),
@@ -219,12 +212,10 @@ fn pairs_of_collapsed_bodies_are_counted() -> TestResult {
     let bodies = r#"{"bodies": [{"model": "point.gltf"}, {"model": "point.gltf"}], "frames": [[{}, {}]]}"#;
     std::fs::write(&scene, bodies)?;
     let limit: [&OsStr; 2] = ["--memory-limit".as_ref(), "256MiB".as_ref()];
-    for method in ["morph", "bottom-up"] {
-        let run: [&OsStr; 4] = ["run".as_ref(), scene.as_os_str(), "--method".as_ref(), method.as_ref()];
-        let message = error_of(&limited(&[&run[..], &limit[..]].concat())?);
-        let named = message.contains("frame 0, bodies 0 and 1") && message.contains("more than 2097152 pairs");
-        assert!(named && message.contains("--memory-limit"), "{method}: {message}");
-    }
+    let run: [&OsStr; 2] = ["run".as_ref(), scene.as_os_str()];
+    let message = error_of(&limited(&[&run[..], &limit[..]].concat())?);
+    let named = message.contains("frame 0, bodies 0 and 1") && message.contains("more than 2097152 pairs");
+    assert!(named && message.contains("--memory-limit"), "{message}");
     let first = ["run".as_ref(), scene.as_os_str(), "--mode".as_ref(), "first".as_ref()];
     assert!(limited(&first)?.status.success());
     Ok(())

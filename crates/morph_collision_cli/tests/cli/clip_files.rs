@@ -23,7 +23,7 @@ fn change(path: &Path, to: &Path, change: impl FnOnce(&mut Value)) -> TestResult
 /// `model.gltf` is the model of `skins` without animations, and its nodes have names; `lib.gltf` has the animations and no meshes, in another
 /// order of nodes.
 fn model_and_library() -> Result<(TempDir, PathBuf), Box<dyn Error>> {
-    let (dir, path) = crate::skins::model()?;
+    let (dir, path) = crate::support::bound_and_free()?;
     let folder = dir.path().to_owned();
     change(&path, &folder.join("model.gltf"), |gltf| {
         gltf["nodes"][2]["name"] = "face".into();

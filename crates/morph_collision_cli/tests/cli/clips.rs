@@ -145,9 +145,7 @@ fn a_bad_clip_spoils_only_itself() -> TestResult {
     let scene = dir.path().join("scene.json");
     for (name, args) in [
         ("export", &["--output", &*out][..]),
-        ("verify", &["--frames", "20"]),
         ("scene", &["--output", &scene.display().to_string()]),
-        ("bench", &["--every", "100", "--rounds", "1"]),
         ("sweep", &[]),
         ("lint", &["--mixtures", "3"]),
     ] {
@@ -198,7 +196,7 @@ fn a_bad_clip_that_is_asked_for_is_an_error_with_its_reason() -> TestResult {
 /// It was "no clip", although the file has it.
 #[test]
 fn a_bad_clip_of_joints_gives_its_reason() -> TestResult {
-    let (_dir, path) = crate::skins::model()?;
+    let (_dir, path) = crate::support::bound_and_free()?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
     for sampler in gltf["animations"][0]["samplers"].as_array_mut().ok_or("no samplers")? {
         sampler["interpolation"] = "BOUNCE".into();

@@ -4,13 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use crate::support::{TestResult, error_of, morph_collide, stdout_of, write_scene};
+use crate::support::{TestResult, error_of, run_program, stdout_of, write_scene};
 
 fn data(name: &str) -> PathBuf {
-    let data = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../morph_collision_testkit/tests/gltf/data"
-    );
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../morph_collision_models/tests/gltf/data");
     Path::new(data).join(name)
 }
 
@@ -20,7 +17,7 @@ type Swept = (Value, Vec<[u64; 3]>, String);
 fn sweep(model: &str, options: &[&str]) -> Result<Swept, Box<dyn std::error::Error>> {
     let model = data(model);
     let args = [&["sweep", "--json", model.to_str().ok_or("not UTF-8")?], options].concat();
-    let output = morph_collide(args)?;
+    let output = run_program(args)?;
     let report: Value = serde_json::from_slice(&output.stdout)?;
     let rows = report["rows"].as_array().ok_or("no rows")?;
     let row = |row: &Value| ["body_a", "body_b", "pairs"].map(|key| row[key].as_u64().unwrap_or(u64::MAX));
@@ -53,7 +50,7 @@ fn every_node_that_draws_a_skinned_mesh_is_a_body() -> TestResult {
     assert_eq!(rows, [[0, 1, 318]]);
     // Without the transforms of nodes, too, because joints place them.
     let model = format!("{}#all", data("one_mesh_three_skins.glb").display());
-    let scene: Value = serde_json::from_str(&stdout_of(&morph_collide(["scene", &model])?))?;
+    let scene: Value = serde_json::from_str(&stdout_of(&run_program(["scene", &model])?))?;
     let nodes: Vec<&Value> = scene["bodies"]
         .as_array()
         .ok_or("no bodies")?
@@ -80,7 +77,7 @@ fn every_instance_is_a_body() -> TestResult {
     let run = |bodies: Value| {
         let scene = json!({"bodies": bodies, "frames": [[{}, {}]]});
         let scene = write_scene(dir.path(), &scene).map_err(|error| error.to_string())?;
-        morph_collide(["run".as_ref(), scene.as_os_str()]).map_err(|error| error.to_string())
+        run_program(["run".as_ref(), scene.as_os_str()]).map_err(|error| error.to_string())
     };
     let text = stdout_of(&run(json!([body(json!(0)), body(json!(1))]))?);
     assert!(text.contains("triangle pairs      12 over all frames"), "{text}");
@@ -100,7 +97,7 @@ fn a_clip_moves_only_the_node_that_it_animates() -> TestResult {
     let model = data("clip_animates_second_node.glb");
     let args = ["--mesh", "all", "--clip", "clip", "--time", "0.5", "--output"].map(AsRef::as_ref);
     let args = [&["export".as_ref(), model.as_os_str()], &args[..], &[out.as_os_str()]].concat();
-    stdout_of(&morph_collide(args)?);
+    stdout_of(&run_program(args)?);
     let obj = std::fs::read_to_string(&out)?;
     let mut ends = [f32::NEG_INFINITY; 2];
     for line in obj.lines().filter_map(|line| line.strip_prefix("v ")) {
@@ -123,13 +120,13 @@ fn a_scene_that_does_not_exist_is_an_error_with_a_hint() -> TestResult {
             "--scene".as_ref(),
             "scen_0".as_ref(),
         ];
-        let error = error_of(&morph_collide(args)?);
+        let error = error_of(&run_program(args)?);
         assert!(
             error.contains("has no scene \"scen_0\"; it has 1 scene; did you mean \"scene_0\"?"),
             "{error}"
         );
         let args = [&args[..], &["--all-meshes".as_ref()]].concat();
-        assert_eq!(morph_collide(args)?.status.code(), Some(2));
+        assert_eq!(run_program(args)?.status.code(), Some(2));
     }
     let args = [
         "sweep".as_ref(),
@@ -139,7 +136,7 @@ fn a_scene_that_does_not_exist_is_an_error_with_a_hint() -> TestResult {
         "--mesh".as_ref(),
         "0".as_ref(),
     ];
-    let error = error_of(&morph_collide(args)?);
+    let error = error_of(&run_program(args)?);
     assert!(error.contains("--scene: --mesh names a mesh"), "{error}");
     Ok(())
 }
@@ -163,13 +160,13 @@ fn a_body_of_another_scene_has_the_skin_with_which_that_scene_draws_it() -> Test
     let model = format!("{}#all", two_scenes(dir.path())?.display());
     let made = dir.path().join("made.json");
     let out = made.to_str().ok_or("not UTF-8")?;
-    let made_it = morph_collide(["scene", &model, "--scene", "1", "--output", out])?;
+    let made_it = run_program(["scene", &model, "--scene", "1", "--output", out])?;
     assert!(made_it.status.success());
     let scene: Value = serde_json::from_slice(&std::fs::read(&made)?)?;
     assert_eq!(scene["bodies"][0]["node"], 5);
     let obj = dir.path().join("posed.obj");
     let obj_name = obj.to_str().ok_or("not UTF-8")?;
-    stdout_of(&morph_collide(["export", out, "--output", obj_name])?);
+    stdout_of(&run_program(["export", out, "--output", obj_name])?);
     let text = std::fs::read_to_string(&obj)?;
     let xs = text.lines().filter_map(|line| line.strip_prefix("v "));
     let xs: Vec<f32> = xs.filter_map(|line| line.split(' ').next()?.parse().ok()).collect();
@@ -183,10 +180,10 @@ fn without_transforms_of_nodes_a_mesh_with_instances_is_one_body() -> TestResult
     let model = format!("{}#all", data("gpu_instancing.glb").display());
     let made = dir.path().join("made.json");
     let out = made.to_str().ok_or("not UTF-8")?;
-    stdout_of(&morph_collide(["scene", &model, "--output", out])?);
+    stdout_of(&run_program(["scene", &model, "--output", out])?);
     let scene: Value = serde_json::from_slice(&std::fs::read(&made)?)?;
     assert_eq!(scene["bodies"].as_array().map(Vec::len), Some(1));
-    stdout_of(&morph_collide(["run", out])?);
+    stdout_of(&run_program(["run", out])?);
     Ok(())
 }
 
@@ -200,15 +197,13 @@ fn a_mesh_that_the_scene_does_not_draw_is_taken_with_a_note() -> TestResult {
         "--mesh".as_ref(),
         "1".as_ref(),
     ];
-    let output = morph_collide(args)?;
+    let output = run_program(args)?;
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success());
     assert!(
         said.contains("the scene does not draw mesh 1 \"no_node\"; the first mesh that it draws is 0"),
         "{said}"
     );
-    stdout_of(&morph_collide(
-        [&args[..3], &["--mesh".as_ref(), "0".as_ref()]].concat(),
-    )?);
+    stdout_of(&run_program([&args[..3], &["--mesh".as_ref(), "0".as_ref()]].concat())?);
     Ok(())
 }

@@ -6,10 +6,10 @@ use morph_collision_models::gltf::write::{Appearance, write_glb};
 use serde_json::Value;
 use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, asset, error_of, morph_collide, stdout_of, write_gltf};
+use crate::support::{RawMesh, TestResult, asset, error_of, run_program, stdout_of, write_gltf};
 
 fn inspect_json(path: &std::path::Path) -> Result<Value, Box<dyn std::error::Error>> {
-    let output = morph_collide(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
+    let output = run_program(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
     Ok(serde_json::from_str(&stdout_of(&output))?)
 }
 
@@ -58,7 +58,7 @@ fn the_json_describes_the_mesh_its_targets_its_clip_and_its_tree() -> TestResult
 
 #[test]
 fn the_tables_name_targets_and_clips() -> TestResult {
-    let stdout = stdout_of(&morph_collide([
+    let stdout = stdout_of(&run_program([
         "inspect".as_ref(),
         asset("dolphin_564.glb").as_os_str(),
     ])?);
@@ -89,7 +89,7 @@ fn a_mesh_without_targets_is_rigid() -> TestResult {
     let report = inspect_json(&path)?;
     assert_eq!(report["meshes"][0]["rigid"], true);
     assert_eq!(report["meshes"][0]["targets"].as_array().map(Vec::len), Some(0));
-    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let stdout = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     assert!(stdout.contains("none: rigid"), "{stdout}");
     Ok(())
 }
@@ -107,7 +107,7 @@ fn an_unusable_mesh_shows_its_error_beside_usable_ones() -> TestResult {
     assert_eq!(cracked.get("tree"), None);
     assert_eq!(sound["name"], "Sound");
     assert_eq!(sound["targets"][0]["share_left_alone"], 0.0);
-    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let stdout = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     assert!(stdout.contains("base, vertex 1"), "{stdout}");
     Ok(())
 }
@@ -126,7 +126,7 @@ fn a_mesh_of_points_says_so() -> TestResult {
     bend(&path, |gltf| gltf["meshes"][0]["primitives"][0]["mode"] = 0.into())?;
     for command in [&["inspect"][..], &["query", "--self"]] {
         let args = command.iter().map(AsRef::as_ref).chain([path.as_os_str()]);
-        let message = error_of(&morph_collide(args)?);
+        let message = error_of(&run_program(args)?);
         assert!(message.contains("made of points"), "{message}");
     }
     Ok(())
@@ -171,16 +171,16 @@ fn names_reach_the_terminal_escaped() -> TestResult {
         gltf["meshes"][0]["extras"] = serde_json::json!({ "targetNames": [name] });
     })?;
     let is_safe = |text: &str| !text.contains(['\u{1b}', '\u{202e}', '\u{9b}']) && !text.contains("\nmesh 7");
-    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let stdout = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     assert!(is_safe(&stdout) && stdout.contains("evil"), "{stdout:?}");
-    let output = morph_collide(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
+    let output = run_program(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
     let json = stdout_of(&output);
     assert!(is_safe(&json), "{json:?}");
     let report: Value = serde_json::from_str(&json)?;
     assert_eq!(report["meshes"][0]["name"], name);
     // The same holds in messages.
     bend(&path, |gltf| gltf["meshes"][0]["primitives"][0]["indices"] = 99.into())?;
-    let message = error_of(&morph_collide(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
+    let message = error_of(&run_program(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
     assert!(
         is_safe(&message) && message.contains("evil") && message.lines().count() == 1,
         "{message:?}"
@@ -232,7 +232,7 @@ fn bounds_nodes_and_reach_are_shown() -> TestResult {
     let node = &mesh["nodes"][0];
     assert_eq!((&node["index"], &node["name"]), (&1.into(), &"stand".into()));
     assert_eq!((&node["translation"][1], &node["scale"][0]), (&6.0.into(), &2.0.into()));
-    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let text = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     for part in [
         "note: VRMC_vrm: its expressions are read",
         "bounds      0 0 0 to 1 1 0 at rest",
@@ -248,14 +248,14 @@ fn a_file_of_many_meshes_is_summed_up_and_one_can_be_shown_in_full() -> TestResu
     let dir = tempdir()?;
     let names = ["a", "b", "c", "d", "elbow"].map(RawMesh::triangle);
     let path = write_gltf(dir.path(), "many.gltf", &names)?;
-    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let text = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     assert!(
         text.contains("mesh  name") && text.contains("--mesh N") && !text.contains("bounds"),
         "{text}"
     );
     for mesh in ["elbow", "4"] {
         let args = ["inspect".as_ref(), path.as_os_str(), "--mesh".as_ref(), mesh.as_ref()];
-        let text = stdout_of(&morph_collide(args)?);
+        let text = stdout_of(&run_program(args)?);
         assert!(text.contains("mesh 4 \"elbow\"") && text.contains("bounds"), "{text}");
     }
     let args = [
@@ -264,7 +264,7 @@ fn a_file_of_many_meshes_is_summed_up_and_one_can_be_shown_in_full() -> TestResu
         "--mesh".as_ref(),
         "elbwo".as_ref(),
     ];
-    let message = error_of(&morph_collide(args)?);
+    let message = error_of(&run_program(args)?);
     assert!(message.contains("did you mean \"elbow\"?"), "{message}");
     Ok(())
 }
@@ -278,7 +278,7 @@ fn several_files_get_one_line_each_and_totals() -> TestResult {
         &[RawMesh::triangle("a"), RawMesh::triangle("b")],
     )?;
     let dolphin = asset("dolphin_564.glb");
-    let text = stdout_of(&morph_collide([
+    let text = stdout_of(&run_program([
         "inspect".as_ref(),
         two.as_os_str(),
         dolphin.as_os_str(),
@@ -289,7 +289,7 @@ fn several_files_get_one_line_each_and_totals() -> TestResult {
         "{text}"
     );
     let absent = dir.path().join("absent.glb");
-    let output = morph_collide(["inspect".as_ref(), two.as_os_str(), absent.as_os_str()])?;
+    let output = run_program(["inspect".as_ref(), two.as_os_str(), absent.as_os_str()])?;
     assert!(error_of(&output).contains("1 of 2 files failed"));
     assert!(String::from_utf8_lossy(&output.stdout).contains("absent.glb: No such file"));
     let args = [
@@ -298,7 +298,7 @@ fn several_files_get_one_line_each_and_totals() -> TestResult {
         dolphin.as_os_str(),
         "--json".as_ref(),
     ];
-    let report: Value = serde_json::from_str(&stdout_of(&morph_collide(args)?))?;
+    let report: Value = serde_json::from_str(&stdout_of(&run_program(args)?))?;
     assert_eq!(
         (&report["files"][0]["usable"], &report["files"][1]["triangles"]),
         (&2.into(), &564.into())

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
 use crate::lint::{findings, lint, report};
-use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, write_gltf};
+use crate::support::{RawMesh, TestResult, error_of, run_program, stdout_of, write_gltf};
 
 /// A floor that its only target lifts by 0.6, and a wall 1 above it, which its target lowers by 0.6. They touch only if both targets are near 1.
 fn meshes(height: f32) -> [RawMesh; 2] {
@@ -182,7 +182,7 @@ fn meshes_that_nothing_moves_are_nothing_to_try() -> TestResult {
 
 #[test]
 fn a_skinned_mesh_meets_what_hangs_on_its_skeleton() -> TestResult {
-    let (_dir, path) = crate::skins::model()?;
+    let (_dir, path) = crate::support::bound_and_free()?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
     // The second triangle hangs on the same tree, 1 above the first one, which the clip lifts by 4.
     gltf["nodes"][0]["children"] = json!([1, 3]);
@@ -378,7 +378,7 @@ fn broken_parts_of_expressions_are_named() -> TestResult {
     let inspect = |more: &[&str]| {
         let mut args = vec!["inspect".as_ref(), path.as_os_str()];
         args.extend(more.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-        Ok::<_, Box<dyn Error>>(stdout_of(&morph_collide(args)?))
+        Ok::<_, Box<dyn Error>>(stdout_of(&run_program(args)?))
     };
     let text = inspect(&[])?;
     let is_row = |line: &str| line.split_whitespace().eq(["happy", "2"]);
@@ -404,7 +404,7 @@ fn a_query_can_show_an_expression() -> TestResult {
             "--json".as_ref(),
         ];
         all.extend(args.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-        let answer: Value = serde_json::from_str(&stdout_of(&morph_collide(all)?))?;
+        let answer: Value = serde_json::from_str(&stdout_of(&run_program(all)?))?;
         Ok::<_, Box<dyn Error>>(answer["hits"][0]["t"].as_f64().map(|t| (t * 100.0).round()))
     };
     assert_eq!(hit(&[])?, Some(500.0));
@@ -423,7 +423,7 @@ fn a_query_can_show_an_expression() -> TestResult {
     ] {
         let mut all = vec!["query".as_ref(), path.as_os_str(), "--self".as_ref()];
         all.extend(args.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-        let message = error_of(&morph_collide(all)?);
+        let message = error_of(&run_program(all)?);
         assert!(message.contains(part), "{message}");
     }
     let out = path.with_extension("obj");
@@ -435,14 +435,14 @@ fn a_query_can_show_an_expression() -> TestResult {
             out.as_os_str(),
         ];
         all.extend(args.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-        Ok::<_, Box<dyn Error>>(stdout_of(&morph_collide(all)?))
+        Ok::<_, Box<dyn Error>>(stdout_of(&run_program(all)?))
     };
     let both = ["--mesh", "all", "--expression", "happy"];
     assert!(export(&both)?.contains("2 of them touch others"));
     let weaker = export(&[&both[..], &["--weights", "open=0.2"]].concat())?;
     assert!(!weaker.contains("2 of them touch others"), "{weaker}");
     let alone = ["query", "--self", "--mesh", "1", "--expression", "blink"].map(AsRef::<std::ffi::OsStr>::as_ref);
-    let message = error_of(&morph_collide(alone.into_iter().chain([path.as_os_str()]))?);
+    let message = error_of(&run_program(alone.into_iter().chain([path.as_os_str()]))?);
     assert!(message.contains("\"blink\" does not move this mesh"), "{message}");
     Ok(())
 }

@@ -2,7 +2,6 @@
 //! code.
 
 mod bad_input;
-mod bench;
 mod bombs;
 mod clip_files;
 mod clips;
@@ -22,11 +21,13 @@ mod run;
 mod scene;
 mod skins;
 mod skip_bad;
-mod stress;
 mod support;
 mod surface;
 mod sweep;
 mod thresholds;
 mod unweighted;
-mod verify;
 mod weights;
+
+/// The program, as it names itself in messages, and its file.
+const PROGRAM: &str = "morph-collide";
+const PROGRAM_FILE: &str = env!("CARGO_BIN_EXE_morph-collide");

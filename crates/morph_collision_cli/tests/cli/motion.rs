@@ -8,7 +8,7 @@ use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
 use serde_json::Value;
 use tempfile::tempdir;
 
-use crate::support::{TestResult, asset, morph_collide, stdout_of};
+use crate::support::{TestResult, asset, run_program, stdout_of};
 
 /// Two dolphins. The second one is at these places, one in each frame.
 fn write_scene(path: &Path, places: &[[f32; 3]]) -> TestResult {
@@ -31,7 +31,7 @@ fn write_scene(path: &Path, places: &[[f32; 3]]) -> TestResult {
 fn motion(scene: &Path, options: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut args: Vec<OsString> = vec!["motion".into(), scene.into()];
     args.extend(options.iter().map(Into::into));
-    Ok(stdout_of(&morph_collide(args)?))
+    Ok(stdout_of(&run_program(args)?))
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn what_stays_apart_has_no_contact_and_a_wrong_tolerance_is_refused() -> TestRes
     write_scene(&path, &[[0.0, 50.0, 0.0], [10.0, 50.0, 60.0]])?;
     let text = motion(&path, &[])?;
     assert!(text.starts_with("steps: 1, bodies: 2, first contacts: 0\n"), "{text}");
-    let refused = morph_collide([
+    let refused = run_program([
         "motion".into(),
         path.into_os_string(),
         "--tolerance".into(),

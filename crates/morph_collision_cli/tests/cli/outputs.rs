@@ -6,10 +6,10 @@ use std::path::Path;
 use serde_json::json;
 use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, write_gltf, write_scene};
+use crate::support::{RawMesh, TestResult, error_of, run_program, stdout_of, write_gltf, write_scene};
 
 fn run(scene: &Path, pairs: &Path) -> Result<std::process::Output, Box<dyn Error>> {
-    morph_collide(["run".as_ref(), scene.as_os_str(), "--pairs".as_ref(), pairs.as_os_str()])
+    run_program(["run".as_ref(), scene.as_os_str(), "--pairs".as_ref(), pairs.as_os_str()])
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn a_run_that_fails_while_it_writes_leaves_the_pairs_of_an_earlier_one() -> Test
     // The pairs take more than one block, the most that a file may have here.
     let script = "trap '' XFSZ; ulimit -f 1 && exec \"$0\" \"$@\"";
     let mut command = std::process::Command::new("sh");
-    command.arg("-c").arg(script).arg(env!("CARGO_BIN_EXE_morph-collide"));
+    command.arg("-c").arg(script).arg(crate::PROGRAM_FILE);
     command
         .arg("run")
         .arg(crate::support::asset("scenes/two_dolphins.json"));
@@ -72,7 +72,7 @@ fn pairs_to_stdout_go_before_the_summary_in_a_file_too() -> TestResult {
 
 #[test]
 fn a_file_on_stdout_leaves_the_summary_to_stderr() -> TestResult {
-    let output = morph_collide([
+    let output = run_program([
         "run".as_ref(),
         crate::support::asset("scenes/two_dolphins.json").as_os_str(),
         "--pairs".as_ref(),
@@ -87,7 +87,7 @@ fn a_file_on_stdout_leaves_the_summary_to_stderr() -> TestResult {
         !table.contains("time per frame") && summary.contains("time per frame"),
         "{summary}"
     );
-    let message = error_of(&morph_collide([
+    let message = error_of(&run_program([
         "run".as_ref(),
         crate::support::asset("scenes/two_dolphins.json").as_os_str(),
         "--pairs".as_ref(),

@@ -10,7 +10,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, asset, error_of, morph_collide, stdout_of, write_gltf, write_scene};
+use crate::support::{RawMesh, TestResult, asset, error_of, run_program, stdout_of, write_gltf, write_scene};
 
 /// Width, height, and three bytes per pixel.
 type Pixels = (u32, u32, Vec<u8>);
@@ -46,7 +46,7 @@ fn dolphins(options: &[&str]) -> Result<(Value, Pixels), Box<dyn Error>> {
     ];
     args.push(path.as_os_str());
     args.extend(options.iter().map(OsStr::new));
-    let json = serde_json::from_str(&stdout_of(&morph_collide(args)?))?;
+    let json = serde_json::from_str(&stdout_of(&run_program(args)?))?;
     Ok((json, read_png(&path)?))
 }
 
@@ -88,14 +88,6 @@ fn another_frame_is_drawn_on_demand() -> TestResult {
 }
 
 #[test]
-fn every_method_draws_the_same_picture() -> TestResult {
-    let (_, ours) = dolphins(&[])?;
-    let (_, brute_force) = dolphins(&["--method", "brute-force"])?;
-    assert!(ours == brute_force);
-    Ok(())
-}
-
-#[test]
 fn the_picture_in_the_readme_is_what_its_command_draws() -> TestResult {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let readme = std::fs::read_to_string(root.join("README.md"))?;
@@ -120,7 +112,7 @@ fn the_summary_names_the_picture() -> TestResult {
         "--picture".as_ref(),
         path.as_os_str(),
     ];
-    let summary = stdout_of(&morph_collide(args)?);
+    let summary = stdout_of(&run_program(args)?);
     assert!(
         summary.contains("out.png: frame 32, 24 touching triangles in red"),
         "{summary}"
@@ -138,7 +130,7 @@ fn pictures_that_cannot_be_are_refused_before_anything_is_written() -> TestResul
     let run = |options: &[&str]| -> Result<String, Box<dyn Error>> {
         let args = ["run".as_ref(), scene.as_os_str()];
         let options = options.iter().map(OsStr::new);
-        Ok(error_of(&morph_collide(args.into_iter().chain(options))?))
+        Ok(error_of(&run_program(args.into_iter().chain(options))?))
     };
     let out = picture.to_str().ok_or("not UTF-8")?;
 
@@ -156,7 +148,7 @@ fn pictures_that_cannot_be_are_refused_before_anything_is_written() -> TestResul
     assert!(input.contains("--picture") && input.contains("scene.json"), "{input}");
     assert!(!picture.exists());
 
-    let alone = morph_collide([
+    let alone = run_program([
         "run".as_ref(),
         scene.as_os_str(),
         "--picture-frame".as_ref(),
@@ -172,7 +164,7 @@ fn pictures_that_cannot_be_are_refused_before_anything_is_written() -> TestResul
         "--picture".as_ref(),
         picture.as_os_str(),
     ];
-    let error = error_of(&morph_collide(args)?);
+    let error = error_of(&run_program(args)?);
     assert!(error.contains("--picture: the scene has no frames to draw"), "{error}");
     assert!(!picture.exists());
     Ok(())
@@ -189,7 +181,7 @@ fn a_name_that_promises_another_format_is_refused_before_any_work() -> TestResul
         "--picture".as_ref(),
         picture.as_os_str(),
     ];
-    let error = error_of(&morph_collide(args)?);
+    let error = error_of(&run_program(args)?);
     assert!(
         error.contains("--picture: ") && error.contains("touch.jpg: pictures are PNG files"),
         "{error}"
@@ -199,7 +191,7 @@ fn a_name_that_promises_another_format_is_refused_before_any_work() -> TestResul
     for name in ["TOUCH.PNG", "touch"] {
         let picture = dir.path().join(name);
         let scene = asset("scenes/two_dolphins.json");
-        stdout_of(&morph_collide([
+        stdout_of(&run_program([
             "run".as_ref(),
             scene.as_os_str(),
             "--picture".as_ref(),

@@ -6,12 +6,12 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, asset, error_of, morph_collide, stdout_of, write_gltf};
+use crate::support::{RawMesh, TestResult, asset, error_of, run_program, stdout_of, write_gltf};
 
 fn query(model: &Path, flags: &[&str]) -> Result<std::process::Output, Box<dyn Error>> {
     let mut args = vec!["query".as_ref(), model.as_os_str()];
     args.extend(flags.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-    morph_collide(args)
+    run_program(args)
 }
 
 fn json(model: &Path, flags: &[&str]) -> Result<Value, Box<dyn Error>> {

@@ -5,23 +5,16 @@ use std::error::Error;
 use std::ffi::OsString;
 use std::path::Path;
 
-use glam::{Affine3A, Quat, Vec3};
-use morph_collision_models::generated;
+use glam::{Affine3A, Vec3};
 use morph_collision_models::gltf::read::read_meshes;
-use morph_collision_models::gltf::write::{Appearance, write_glb};
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
-use morph_collision_models::weight_list::{TargetNames, WeightList};
+use morph_collision_models::weight_list::TargetNames;
 use morph_collision_testkit::oracle::{BodyPose, scene_pairs};
 use serde_json::Value;
 use tempfile::tempdir;
 
-use crate::support::{TestResult, asset, command, morph_collide, stdout_of};
-
-const LOOKS: Appearance = Appearance {
-    base_color: [1.0; 4],
-    roughness: 1.0,
-};
+use crate::support::{TestResult, asset, command, mixed_scene, run_program, stdout_of};
 
 /// A row of the CSV file: frame, bodies, triangles.
 type Row = (usize, u32, u32, u32, u32);
@@ -38,7 +31,7 @@ fn run(scene: &Path, options: &[&str]) -> Result<(Value, String), Box<dyn Error>
         csv.clone().into(),
     ];
     args.extend(options.iter().map(Into::into));
-    let stdout = stdout_of(&morph_collide(args)?);
+    let stdout = stdout_of(&run_program(args)?);
     Ok((serde_json::from_str(&stdout)?, std::fs::read_to_string(csv)?))
 }
 
@@ -89,67 +82,6 @@ fn expected_rows(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
         }
     }
     Ok(rows)
-}
-
-/// Six frames of three dolphins, two boxes in one mesh and a flat dolphin that come together and
-/// separate.
-fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
-    write_glb(&dir.join("dolphin.glb"), &generated::dolphin(0), &LOOKS)?;
-    let mut boxes = generated::rigid::box_mesh(Vec3::splat(0.3));
-    let half = boxes.triangles.len() as u32;
-    let (second, offset) = (boxes.positions.clone(), boxes.positions.len() as u32);
-    boxes
-        .positions
-        .extend(second.iter().map(|p| *p + Vec3::new(0.9, 0.2, 0.1)));
-    boxes.triangles.extend(
-        boxes
-            .triangles
-            .clone()
-            .iter()
-            .map(|corners| corners.map(|corner| corner + offset)),
-    );
-    boxes.primitives = vec![0..half, half..2 * half];
-    write_glb(&dir.join("boxes.glb"), &boxes, &LOOKS)?;
-
-    let body = |model: &str| SceneBody {
-        model: model.into(),
-        ..SceneBody::default()
-    };
-    let bodies = ["dolphin.glb", "dolphin.glb", "boxes.glb", "dolphin.glb", "dolphin.glb"]
-        .map(body)
-        .to_vec();
-    let frames = (0..6u8).map(|frame| {
-        let t = f32::from(frame) / 5.0;
-        let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(t), Vec3::new(2.5 * t - 1.0, 0.2, 0.1));
-        vec![
-            BodyState::default(),
-            BodyState::rigid(&[t, 0.3], &turned),
-            BodyState {
-                translation: Some([0.5 - t, 0.0, 0.0]),
-                ..BodyState::default()
-            },
-            // Mirrored, stretched, and weights far beyond 1.
-            BodyState {
-                weights: WeightList::All(vec![2.5 * t, -1.5]),
-                scale: Some([-1.0, 1.5, 0.5]),
-                translation: Some([0.0, 0.4 - 0.5 * t, 0.0]),
-                ..BodyState::default()
-            },
-            BodyState {
-                scale: Some([1.0, 0.0, 1.0]),
-                translation: Some([0.1, 0.05, t]),
-                ..BodyState::default()
-            },
-        ]
-    });
-    let path = dir.join("scene.json");
-    Scene {
-        bodies,
-        frames: frames.collect(),
-        ..Scene::default()
-    }
-    .write(&path)?;
-    Ok(path)
 }
 
 fn sum(report: &Value, field: &str) -> Option<u64> {
@@ -261,61 +193,6 @@ fn any_names_the_touching_bodies_and_a_pair_of_triangles_as_first_does() -> Test
 }
 
 #[test]
-fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
-    let dir = tempdir()?;
-    let scene = mixed_scene(dir.path())?;
-    let expected = expected_rows(&scene)?;
-    let methods = [
-        "morph",
-        "paper",
-        "bottom-up",
-        "hybrid",
-        "parry-trimesh",
-        "brute-force",
-        "joint-boxes",
-    ];
-    for method in methods {
-        let (report, csv) = run(&scene, &["--method", method])?;
-        assert_eq!(rows(&csv)?, expected, "{method}");
-        assert_eq!(report["method"], method);
-    }
-    let (report, csv) = run(&scene, &["--method", "hybrid-binary"])?;
-    assert_eq!((rows(&csv)?, &report["method"]), (expected.clone(), &"hybrid".into()));
-    for tree in [
-        &["--leaf", "9"][..],
-        &["--method", "hybrid", "--arity", "2", "--leaf", "1"],
-    ] {
-        assert_eq!(rows(&run(&scene, tree)?.1)?, expected, "{tree:?}");
-    }
-    for volume in ["aabb", "kdop14", "kdop18", "kdop26", "sphere"] {
-        let paper = ["--method", "paper", "--volume", volume];
-        for options in [&paper[..], &[&paper[..], &["--in-betweens"]].concat()] {
-            assert_eq!(rows(&run(&scene, options)?.1)?, expected, "{options:?}");
-        }
-    }
-    Ok(())
-}
-
-#[test]
-fn the_tree_changes_the_work() -> TestResult {
-    let scene = asset("scenes/two_dolphins.json");
-    let work = |options: &[&str]| -> Result<Option<u64>, Box<dyn Error>> {
-        Ok(run(&scene, options)?.0["node_tests"].as_u64())
-    };
-    let default = work(&[])?;
-    for options in [["--leaf", "4"], ["--method", "hybrid"]] {
-        assert_ne!(work(&options)?, default, "{options:?}");
-    }
-    let paper = ["--method", "paper"];
-    let boxes = work(&paper)?;
-    assert_eq!(work(&[&paper[..], &["--volume", "aabb"]].concat())?, boxes);
-    for options in [&["--volume", "kdop18"][..], &["--volume", "sphere"], &["--in-betweens"]] {
-        assert_ne!(work(&[&paper[..], options].concat())?, boxes, "{options:?}");
-    }
-    Ok(())
-}
-
-#[test]
 fn the_leaf_size_changes_the_work_and_not_the_answer() -> TestResult {
     let scene = asset("scenes/two_dolphins.json");
     let (small, csv_small) = run(&scene, &["--leaf", "1"])?;
@@ -343,9 +220,9 @@ fn the_summary_is_readable_and_a_scene_without_frames_is_one() -> TestResult {
     let dir = tempdir()?;
     let scene = dir.path().join("scene.json");
     std::fs::write(&scene, r#"{"bodies": [], "frames": []}"#)?;
-    let stdout = stdout_of(&morph_collide(["run".as_ref(), scene.as_os_str()])?);
+    let stdout = stdout_of(&run_program(["run".as_ref(), scene.as_os_str()])?);
     assert!(stdout.contains("frames touching     0\n"), "{stdout}");
-    let stdout = stdout_of(&morph_collide([
+    let stdout = stdout_of(&run_program([
         "run".as_ref(),
         asset("scenes/two_dolphins.json").as_os_str(),
     ])?);

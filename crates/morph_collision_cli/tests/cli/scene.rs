@@ -9,7 +9,7 @@ use morph_collision_models::scenes::Scene;
 use serde_json::{Value, json};
 use tempfile::tempdir;
 
-use crate::support::{TestResult, asset, command, error_of, morph_collide, stdout_of};
+use crate::support::{TestResult, asset, command, error_of, run_program, stdout_of};
 
 fn scene(args: &[&str]) -> Result<Output, Box<dyn Error>> {
     Ok(command().arg("scene").args(args).output()?)
@@ -101,7 +101,7 @@ fn paths_are_relative_to_the_file_that_is_written() -> TestResult {
     stdout_of(&output);
     let written = Scene::read(&dir.path().join("scenes/two.json"))?;
     assert_eq!(written.bodies[0].model, Path::new("../dolphin.glb"));
-    stdout_of(&morph_collide([
+    stdout_of(&run_program([
         "run".as_ref(),
         dir.path().join("scenes/two.json").as_os_str(),
     ])?);
@@ -110,7 +110,7 @@ fn paths_are_relative_to_the_file_that_is_written() -> TestResult {
 
 #[test]
 fn node_transforms_place_meshes_and_clips_move_them() -> TestResult {
-    let (dir, path) = crate::skins::model()?;
+    let (dir, path) = crate::support::bound_and_free()?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
     // The free mesh hangs on the node that the clip lifts.
     gltf["nodes"][1]["children"] = json!([3]);
@@ -180,8 +180,8 @@ fn names_and_comments_are_allowed_and_other_versions_are_refused() -> TestResult
         let scene = json!({"version": version, "name": "two", "comment": "a test", "bodies": [body], "frames": [[{"comment": "rest"}]]});
         crate::support::write_scene(dir.path(), &scene)
     };
-    stdout_of(&morph_collide(["run".as_ref(), write(1)?.as_os_str()])?);
-    let message = error_of(&morph_collide(["run".as_ref(), write(2)?.as_os_str()])?);
+    stdout_of(&run_program(["run".as_ref(), write(1)?.as_os_str()])?);
+    let message = error_of(&run_program(["run".as_ref(), write(2)?.as_os_str()])?);
     assert!(
         message.contains("version 2") && message.contains("only version 1"),
         "{message}"

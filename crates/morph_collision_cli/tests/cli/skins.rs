@@ -1,80 +1,23 @@
 //! Skinned meshes in every command that collides them: their joints at rest and in clips.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use morph_collision_models::generated::rigs::tube;
 use morph_collision_models::gltf::write::{Appearance, to_glb};
 use serde_json::{Value, json};
-use tempfile::{TempDir, tempdir};
+use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, error_of, field, morph_collide, stdout_of, write_gltf};
-
-/// A file of two triangles in the plane z = 0 with a target that lifts them by 1. The first one is bound to a joint under a node
-/// at x = 10. The clip "rise" lifts the joint from 0 to 4 in a second, and raises the weight from 0 to 1.
-pub(crate) fn model() -> Result<(TempDir, PathBuf), Box<dyn std::error::Error>> {
-    let dir = tempdir()?;
-    let meshes = [RawMesh::triangle("Bound"), RawMesh::triangle("Free")];
-    let path = write_gltf(dir.path(), "two.gltf", &meshes)?;
-    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
-    // Key times 0 and 1, translations by 0 and by 4 along z, weights 0 and 1, joints 0, and joint weights of 255, 0, 0, 0.
-    let mut add = |uri: &str, length: usize, accessor: Value| {
-        let list = |gltf: &mut Value, name: &str, value: Value| {
-            let list = gltf[name].as_array_mut().expect("the file has this list");
-            list.push(value);
-            list.len() - 1
-        };
-        let uri = format!("data:application/octet-stream;base64,{uri}");
-        let buffer = list(&mut gltf, "buffers", json!({"uri": uri, "byteLength": length}));
-        let view = list(
-            &mut gltf,
-            "bufferViews",
-            json!({"buffer": buffer, "byteLength": length}),
-        );
-        let mut accessor = accessor;
-        accessor["bufferView"] = json!(view);
-        list(&mut gltf, "accessors", accessor)
-    };
-    let scalars = json!({"componentType": 5126, "type": "SCALAR", "count": 2});
-    let ramp = add("AAAAAAAAgD8=", 8, scalars);
-    let vectors = json!({"componentType": 5126, "type": "VEC3", "count": 2});
-    let lift = add(&("AAAA".repeat(7) + "AIBA"), 24, vectors);
-    let joints = add(
-        &"AAAA".repeat(4),
-        12,
-        json!({"componentType": 5121, "type": "VEC4", "count": 3}),
-    );
-    let weights = json!({"componentType": 5121, "type": "VEC4", "count": 3, "normalized": true});
-    let weights = add("/wAAAP8AAAD/AAAA", 12, weights);
-    let attributes = &mut gltf["meshes"][0]["primitives"][0]["attributes"];
-    (attributes["JOINTS_0"], attributes["WEIGHTS_0"]) = (json!(joints), json!(weights));
-    gltf["nodes"] = json!([
-        {"children": [1], "translation": [10, 0, 0]},
-        {"name": "lift"},
-        {"mesh": 0, "skin": 0},
-        {"mesh": 1},
-    ]);
-    gltf["skins"] = json!([{"joints": [1]}]);
-    gltf["animations"] = json!([{
-        "name": "rise",
-        "channels": [
-            {"sampler": 0, "target": {"node": 1, "path": "translation"}},
-            {"sampler": 1, "target": {"node": 2, "path": "weights"}},
-        ],
-        "samplers": [{"input": ramp, "output": lift}, {"input": ramp, "output": ramp}],
-    }]);
-    std::fs::write(&path, gltf.to_string())?;
-    Ok((dir, path))
-}
+use crate::support::{TestResult, bound_and_free, error_of, field, run_program, stdout_of};
 
 fn json_of(args: &[&str], path: &Path) -> Result<Value, Box<dyn std::error::Error>> {
     let mut all = vec![args[0].as_ref(), path.as_os_str(), "--json".as_ref()];
     all.extend(args[1..].iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-    Ok(serde_json::from_str(&stdout_of(&morph_collide(all)?))?)
+    Ok(serde_json::from_str(&stdout_of(&run_program(all)?))?)
 }
 
 #[test]
 fn inspect_tells_the_joints_and_their_clips() -> TestResult {
-    let (_dir, path) = model()?;
+    let (_dir, path) = bound_and_free()?;
     let report = json_of(&["inspect"], &path)?;
     let [bound, free] = [&report["meshes"][0], &report["meshes"][1]];
     assert_eq!((&bound["skinned"], &free["skinned"]), (&true.into(), &false.into()));
@@ -90,7 +33,7 @@ fn inspect_tells_the_joints_and_their_clips() -> TestResult {
         json!([{"animation": 0, "name": "rise", "seconds": 1.0, "nodes_moved": 1}])
     );
     assert_eq!(bound.get("warnings"), None);
-    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let text = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     assert!(
         text.contains("1 joints; vertices by number of joints that move them: 1: 3\n")
             && text.contains("joint weights sum to 1")
@@ -106,7 +49,7 @@ fn inspect_says_that_engines_draw_four_joints_per_vertex() -> TestResult {
     for (influences, is_said) in [(4, false), (6, true)] {
         let path = dir.path().join(format!("{influences}.glb"));
         std::fs::write(&path, to_glb(&tube(1, 8, influences, 0), &Appearance::default())?)?;
-        let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+        let text = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
         let line = "engines that draw four joints per vertex, such as Bevy, show something else";
         assert_eq!(text.contains(line), is_said, "{text}");
     }
@@ -120,7 +63,7 @@ fn inspect_says_that_engines_draw_four_joints_per_vertex() -> TestResult {
 
 #[test]
 fn a_mesh_whose_skin_is_broken_says_so() -> TestResult {
-    let (_dir, path) = model()?;
+    let (_dir, path) = bound_and_free()?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
     gltf["skins"][0]["joints"] = json!([7]);
     std::fs::write(&path, gltf.to_string())?;
@@ -131,14 +74,14 @@ fn a_mesh_whose_skin_is_broken_says_so() -> TestResult {
         "{error}"
     );
     let query = ["query".as_ref(), path.as_os_str(), "--self".as_ref()];
-    let error = error_of(&morph_collide(query)?);
+    let error = error_of(&run_program(query)?);
     assert!(error.contains("the skin of mesh 0 \"Bound\": node 7"), "{error}");
     Ok(())
 }
 
 #[test]
 fn a_query_finds_a_mesh_where_its_joints_put_it() -> TestResult {
-    let (_dir, path) = model()?;
+    let (_dir, path) = bound_and_free()?;
     let t = |flags: &[&str]| {
         let ray = ["--ray", "10.25,0.25,9,0,0,-1"];
         let answer = json_of(&[&["query"], flags, &ray].concat(), &path)?;
@@ -156,7 +99,7 @@ fn a_query_finds_a_mesh_where_its_joints_put_it() -> TestResult {
         "--clip".as_ref(),
         "fall".as_ref(),
     ];
-    let error = error_of(&morph_collide(flags)?);
+    let error = error_of(&run_program(flags)?);
     assert!(
         error.contains("no clip \"fall\"") && error.contains("the mesh has \"rise\""),
         "{error}"
@@ -166,7 +109,7 @@ fn a_query_finds_a_mesh_where_its_joints_put_it() -> TestResult {
 
 #[test]
 fn a_scene_poses_joints_by_a_clip_and_a_time() -> TestResult {
-    let (dir, path) = model()?;
+    let (dir, path) = bound_and_free()?;
     let scene = |frames: Value| {
         let model = path.file_name().map(|name| name.to_string_lossy());
         let scene = json!({"bodies": [{"model": model}, {"model": model, "mesh": 1}], "frames": frames});
@@ -183,40 +126,20 @@ fn a_scene_poses_joints_by_a_clip_and_a_time() -> TestResult {
         [{"clip": "rise", "time": 1.25, "scale": [1, 1, 2], "translation": [0, 0, 1]}, there(11.0)],
         [{"clip": "rise", "time": 0.5}, {"clip": "rise", "translation": [10, 0, 1], "weights": [1.5]}],
     ]);
-    for method in ["morph", "bottom-up", "brute-force"] {
-        let path = scene(frames.clone())?;
-        // The clip does not move the second triangle.
-        let told = morph_collide([
-            "run".as_ref(),
-            path.as_os_str(),
-            "--json".as_ref(),
-            "--method".as_ref(),
-            method.as_ref(),
-        ])?;
-        let error = error_of(&told);
-        assert!(
-            error.contains("frame 5, body 1") && error.contains("\"rise\" does not move this mesh"),
-            "{error}"
-        );
-
-        let mut right = frames.clone();
-        right[5][1]["clip"].take();
-        let path = scene(right)?;
-        let report = json_of(&["run", "--method", method], &path)?;
-        assert_eq!(report["pairs"], json!([1, 0, 1, 1, 1, 1]), "{method}");
-    }
+    let path = scene(frames.clone())?;
+    // The clip does not move the second triangle.
+    let error = error_of(&run_program(["run".as_ref(), path.as_os_str()])?);
+    assert!(
+        error.contains("frame 5, body 1") && error.contains("\"rise\" does not move this mesh"),
+        "{error}"
+    );
+    let mut right = frames;
+    right[5][1]["clip"].take();
+    let path = scene(right)?;
+    assert_eq!(json_of(&["run"], &path)?["pairs"], json!([1, 0, 1, 1, 1, 1]));
     let picture = dir.path().join("picture.png");
     let path = scene(json!([[{"clip": "rise", "time": 0.5}, there(2.5)]]))?;
     let drawn = json_of(&["run", "--picture", &picture.to_string_lossy()], &path)?;
     assert_eq!(drawn["picture"]["touching_triangles"], 2);
-    Ok(())
-}
-
-#[test]
-fn verify_draws_joints() -> TestResult {
-    let (_dir, path) = model()?;
-    let report = json_of(&["verify", "--frames", "20"], &path)?;
-    assert_eq!((&report["missed"], &report["spurious"]), (&0.into(), &0.into()));
-    assert!(report["containment_checks"].as_u64() > Some(100), "{report}");
     Ok(())
 }

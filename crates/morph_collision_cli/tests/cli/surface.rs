@@ -68,10 +68,8 @@ fn they_are_written_as_tables() -> TestResult {
 fn options_that_do_not_fit_are_refused() -> TestResult {
     let scene = asset("scenes/two_dolphins.json");
     for (args, flag) in [
-        (&["--mode", "contacts", "--method", "hybrid"][..], "--method"),
+        (&["--mode", "contacts", "--picture", "a.png"][..], "--picture"),
         (&["--mode", "distance", "--picture", "a.png"], "--picture"),
-        (&["--mode", "contacts", "--witness"], "--witness"),
-        (&["--mode", "contacts", "--arity", "2"], "--arity"),
     ] {
         let message = error_of(&command().arg("run").arg(&scene).args(args).output()?);
         assert!(message.contains(flag), "{args:?}: {message}");

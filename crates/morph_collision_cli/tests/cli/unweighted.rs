@@ -1,4 +1,4 @@
-//! Triangles of a skinned mesh with a vertex that has no joint weights: `lint` and `verify` leave them out and say so.
+//! Triangles of a skinned mesh with a vertex that has no joint weights: `lint` leaves them out and says so.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -78,20 +78,6 @@ fn lint_says_so_at_once_and_searches_the_rest() -> TestResult {
 }
 
 #[test]
-fn verify_leaves_them_out() -> TestResult {
-    let (_dir, path, _) = model()?;
-    let output = command().arg("verify").arg(&path).args(["--frames", "8"]).output()?;
-    let warning = String::from_utf8_lossy(&output.stderr);
-    assert!(warning.contains(SENTENCE), "{warning}");
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        output.status.success() && text.contains("agree with brute force"),
-        "{text}"
-    );
-    Ok(())
-}
-
-#[test]
 fn a_mesh_without_any_weights_has_nothing_to_search() -> TestResult {
     let mut mesh = tube(3, 6, 4, 1);
     if let Some(skin) = &mut mesh.skin {
@@ -100,14 +86,12 @@ fn a_mesh_without_any_weights_has_nothing_to_search() -> TestResult {
     let dir = tempdir()?;
     let path = dir.path().join("none.glb");
     write_glb(&path, &mesh, &Appearance::default())?;
-    for name in ["lint", "verify"] {
-        let output = command().arg(name).arg(&path).output()?;
-        assert_eq!(output.status.code(), Some(2));
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert!(
-            stderr.contains("have no joint weights") && stderr.contains("error: "),
-            "{stderr}"
-        );
-    }
+    let output = command().arg("lint").arg(&path).output()?;
+    assert_eq!(output.status.code(), Some(2));
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        stderr.contains("have no joint weights") && stderr.contains("error: "),
+        "{stderr}"
+    );
     Ok(())
 }

@@ -8,7 +8,7 @@ use std::process::Stdio;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
-use crate::support::{RawMesh, TestResult, command, error_of, morph_collide, stdout_of, write_gltf, write_scene};
+use crate::support::{RawMesh, TestResult, command, error_of, run_program, stdout_of, write_gltf, write_scene};
 
 /// A triangle with the targets "up" and "right", which move it by 1 along z and x. Its node has the default weights 0.5 and 0.
 fn model() -> Result<(TempDir, PathBuf), Box<dyn Error>> {
@@ -39,7 +39,7 @@ fn closest(path: &Path, flags: &[&str]) -> Result<[f64; 3], Box<dyn Error>> {
         "--point=0,0,0".as_ref(),
     ];
     args.extend(flags.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
-    let report: Value = serde_json::from_str(&stdout_of(&morph_collide(args)?))?;
+    let report: Value = serde_json::from_str(&stdout_of(&run_program(args)?))?;
     let point = &report["closest"]["point"];
     Ok([0, 1, 2].map(|axis| point[axis].as_f64().unwrap_or(f64::NAN)))
 }
@@ -60,7 +60,7 @@ fn default_weights_hold_until_others_are_given() -> TestResult {
         "frames": [[{}, {"weights": {"right": 9.5}}], [{"weights": [0, 0]}, {}], [{"weights": {"up": 0}}, {"weights": {"up": 0}}]],
     });
     let scene = write_scene(dir.path(), &scene)?;
-    let report = morph_collide(["run".as_ref(), scene.as_os_str(), "--json".as_ref()])?;
+    let report = run_program(["run".as_ref(), scene.as_os_str(), "--json".as_ref()])?;
     let report: Value = serde_json::from_str(&stdout_of(&report))?;
     assert_eq!(report["pairs"], json!([1, 0, 1]));
     Ok(())
@@ -69,12 +69,12 @@ fn default_weights_hold_until_others_are_given() -> TestResult {
 #[test]
 fn the_weights_that_hold_are_shown() -> TestResult {
     let (_dir, path) = model()?;
-    let text = stdout_of(&morph_collide(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
+    let text = stdout_of(&run_program(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
     assert!(
         text.starts_with("mesh 0 \"Triangle\", 1 of 2 weights not 0: up 0.5\n"),
         "{text}"
     );
-    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    let text = stdout_of(&run_program(["inspect".as_ref(), path.as_os_str()])?);
     let row = text.lines().find(|line| line.contains("  up ")).unwrap_or_default();
     let cells: Vec<&str> = row.split_whitespace().collect();
     assert_eq!(cells, ["0", "up", "0.5", "1", "0.0", "%"], "{text}");
@@ -134,7 +134,7 @@ fn a_typo_gets_the_nearest_names_everywhere() -> TestResult {
         &["run".as_ref(), scene.as_os_str()],
     ];
     for args in commands {
-        let message = error_of(&morph_collide(args)?);
+        let message = error_of(&run_program(args)?);
         assert!(
             message.contains("no target \"rihgt\"") && message.contains("did you mean \"right\"?"),
             "{args:?}: {message}"
@@ -152,7 +152,7 @@ fn a_typo_gets_the_nearest_names_everywhere() -> TestResult {
             "--weights".as_ref(),
             flag.as_ref(),
         ];
-        let message = error_of(&morph_collide(args)?);
+        let message = error_of(&run_program(args)?);
         assert!(message.contains("--weights") && message.contains(part), "{message}");
     }
     Ok(())
@@ -162,9 +162,9 @@ fn a_typo_gets_the_nearest_names_everywhere() -> TestResult {
 fn wrong_default_weights_are_told() -> TestResult {
     let (_dir, path) = model()?;
     bend(&path, |gltf| gltf["nodes"][0]["weights"] = json!([1, 2, 3]))?;
-    let message = error_of(&morph_collide(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
+    let message = error_of(&run_program(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
     assert!(message.contains("3 default weights for 2 targets"), "{message}");
-    let report = morph_collide(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
+    let report = run_program(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
     let report: Value = serde_json::from_str(&stdout_of(&report))?;
     let warning = report["meshes"][0]["warnings"][0].as_str().unwrap_or_default();
     assert!(warning.contains("3 default weights"), "{report}");
@@ -175,7 +175,7 @@ fn wrong_default_weights_are_told() -> TestResult {
 fn tiny_weights_are_printed_in_a_few_characters() -> TestResult {
     let (_dir, path) = model()?;
     let args = ["--point=0,0,0", "--weights", "up=1e-42,right=0.25"].map(AsRef::<std::ffi::OsStr>::as_ref);
-    let report = stdout_of(&morph_collide(
+    let report = stdout_of(&run_program(
         ["query".as_ref(), path.as_os_str()].into_iter().chain(args),
     )?);
     assert!(report.contains("up 1e-42, right 0.25"), "{report}");

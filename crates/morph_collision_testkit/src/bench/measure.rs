@@ -8,7 +8,8 @@ use thiserror::Error;
 use super::Found;
 use super::runner::{Pass, Runner, SplitPass};
 use super::{Contender, Experiment};
-use crate::rivals::{PoseError, Wanted};
+use crate::rivals::PoseError;
+use morph_collision::batch::Wanted;
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug)]

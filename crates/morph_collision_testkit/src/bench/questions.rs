@@ -3,7 +3,8 @@
 use morph_collision::TrianglePair;
 
 use super::Experiment;
-use crate::rivals::{BroadPhase, Method, Wanted};
+use crate::rivals::{BroadPhase, Method};
+use morph_collision::batch::Wanted;
 
 /// Asks a method the questions of an experiment's frames; keeps the memory that frames reuse.
 #[derive(Debug, Default)]

@@ -5,7 +5,8 @@ use std::time::Duration;
 use morph_collision::QueryStats;
 
 use super::{Contender, Experiment, Found, Questions, Stopwatch};
-use crate::rivals::{Method, PoseError, Wanted};
+use crate::rivals::{Method, PoseError};
+use morph_collision::batch::Wanted;
 
 /// A contender, and memory that its frames reuse.
 #[derive(Debug)]

@@ -8,7 +8,8 @@ use glam::{Affine3A, Mat3, Quat, Vec3};
 use morph_collision::{Aabb, QueryStats};
 
 use crate::oracle;
-use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError, Wanted};
+use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError};
+use morph_collision::batch::Wanted;
 use morph_collision_models::generated::{degenerate, dolphin, pass_through_body, random};
 use morph_collision_models::gltf::read::{ReadError, read_meshes};
 use morph_collision_models::mesh::MorphMesh;

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
-use morph_collision::{InputError, JointMatrices, ModelError, Triangle, WorldFromModel};
+use morph_collision::{InputError, JointMatrices, ModelError, MorphModel, Triangle, WorldFromModel};
 
 use super::skin::{SkinnedBody, WeldedSkin};
-use super::{PoseError, WeightLimits};
+use super::PoseError;
 use morph_collision_models::mesh::MorphMesh;
 
 /// A welded mesh in a form that is fast to blend as a whole: target by target, each with the vertices that
@@ -17,7 +17,7 @@ pub(super) struct WeldedMesh {
     pub(super) triangles: Vec<[u32; 3]>,
     targets: Vec<Target>,
     skin: Option<WeldedSkin>,
-    limits: WeightLimits,
+    model: MorphModel,
 }
 
 #[derive(Debug)]
@@ -44,8 +44,8 @@ impl WeldedMesh {
             triangles: (0..).map_while(|triangle| model.triangle(triangle)).collect(),
             targets: mesh.targets.iter().map(target).collect(),
             skin: mesh.skin.as_ref().map(|skin| WeldedSkin::new(skin, &sources)),
-            limits: WeightLimits::of(mesh),
             base,
+            model,
         })
     }
 
@@ -151,7 +151,7 @@ impl BlendedBody {
     /// Sets weights and placement; returns whether the weights or the joints have changed.
     pub(super) fn set(&mut self, weights: &[f32], affine: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*affine)?;
-        self.mesh.limits.check(weights)?;
+        self.mesh.model.check_weights(weights)?;
         let joints_changed = self.skinned.as_ref().map(|skinned| skinned.changed);
         if joints_changed.is_none() {
             (self.affine, self.world_from_model) = (*affine, world_from_model);

@@ -53,7 +53,6 @@ mod hybrid;
 mod joint_boxes;
 mod joint_nodes;
 mod kind;
-mod limits;
 mod morph;
 mod node;
 mod options;
@@ -77,7 +76,6 @@ pub use broad::BroadPhase;
 pub use cast::{CastHit, CastRay};
 pub use joint_nodes::JointNodes;
 pub use kind::{MethodKind, UnknownMethod};
-pub use limits::WeightLimits;
 pub use morph_collision::batch::Wanted;
 pub use node::RivalNode;
 pub use options::MethodOptions;
@@ -85,11 +83,7 @@ pub use paper::{PaperOptions, PaperVolume, UnknownVolume};
 
 /// Appends a pair to those from `start` on; breaks once the list is as long as wanted.
 fn push(wanted: Wanted, pairs: &mut Vec<TrianglePair>, start: usize, pair: TrianglePair) -> ControlFlow<()> {
-    let most = match wanted {
-        Wanted::All => usize::MAX,
-        Wanted::First => 1,
-        Wanted::UpTo(most) => most,
-    };
+    let most = wanted.limit();
     if pairs.len() - start < most {
         pairs.push(pair);
     }

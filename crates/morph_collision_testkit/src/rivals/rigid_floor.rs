@@ -17,7 +17,7 @@ use morph_collision::{
 };
 use serde_json::Value;
 
-use super::{Method, MethodOptions, PoseError, SetUpError, Wanted, WeightLimits, push};
+use super::{Method, MethodOptions, PoseError, SetUpError, Wanted, push};
 use morph_collision_models::mesh::MorphMesh;
 
 /// Bodies of frozen meshes.
@@ -33,7 +33,6 @@ pub(super) struct RigidFloor {
 #[derive(Debug)]
 struct Kind {
     mesh: MorphMesh,
-    limits: WeightLimits,
     tree: Arc<MorphBvh>,
     /// The layout of the morphing tree as JSON, because only in that form can it be applied to another mesh.
     layout: Value,
@@ -58,13 +57,12 @@ impl Kind {
         let layout = serde_json::to_value(tree.layout()).unwrap_or_default();
         Ok(Self {
             mesh: mesh.clone(),
-            limits: WeightLimits::of(mesh),
             tree,
             layout,
         })
     }
 
-    /// A body with the shape at these weights, which the limits allow.
+    /// A body with the shape at these weights, which the model allows.
     fn freeze(&self, weights: &[f32]) -> Result<Pose, WeightsError> {
         let mut layout = self.layout.clone();
         let frozen = || {
@@ -126,7 +124,7 @@ impl Method for RigidFloor {
             ..
         } = &mut self.bodies[body];
         let kind = &self.kinds[*kind];
-        kind.limits.check(weights)?;
+        kind.tree.model().check_weights(weights)?;
         let new_joints = joints.filter(|joints| own_joints != joints);
         if own_weights == weights && new_joints.is_none() {
             return Ok(false);

@@ -7,8 +7,9 @@ mod work;
 use std::collections::BTreeSet;
 
 use morph_collision::QueryStats;
+use morph_collision::batch::Wanted;
 use morph_collision_testkit::moments::{self, Moment};
-use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions, Wanted};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions};
 
 /// All methods except the oracle; the paper's with every kind of volume, with and without
 /// in-betweens.

@@ -1,7 +1,8 @@
 //! Methods that support joints, on skinned models.
 
+use morph_collision::batch::Wanted;
 use morph_collision_testkit::moments::{self, Moment};
-use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
 use crate::agree;
 use crate::methods;

@@ -20,7 +20,8 @@ pub enum Wanted {
 
 impl Wanted {
     /// The maximum length of the list.
-    pub(super) fn limit(self) -> usize {
+    #[must_use]
+    pub fn limit(self) -> usize {
         match self {
             Self::All => usize::MAX,
             Self::UpTo(limit) => limit,

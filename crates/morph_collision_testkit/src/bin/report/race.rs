@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
+use morph_collision::batch::Wanted;
 use morph_collision_testkit::bench::{Experiment, NoExperiment, Plan, Row, disagreement, measure};
-use morph_collision_testkit::rivals::Wanted;
 
 use crate::candidates::Candidate;
 use crate::context::Context;

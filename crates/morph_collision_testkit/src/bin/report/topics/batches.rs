@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::sync::Arc;
 
+use morph_collision::batch::Wanted;
 use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers};
 use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel, overlapping_pairs};
 use morph_collision_testkit::bench::{Experiment, Frame};
-use morph_collision_testkit::rivals::Wanted;
 
 /// The bodies of an experiment, queried in batches.
 pub(super) struct Run {

@@ -3,7 +3,8 @@
 use glam::{Affine3A, Vec3};
 
 use super::super::{PaperOptions, PaperVolume};
-use crate::rivals::{Method, MethodKind, Wanted};
+use crate::rivals::{Method, MethodKind};
+use morph_collision::batch::Wanted;
 use morph_collision_models::generated::dolphin;
 
 /// Two dolphins, the second moved along x.

@@ -1,7 +1,7 @@
 # Recipes for developers and CI. `just` lists them.
 
 # The program of the laboratory, optimised.
-lab := "cargo run --quiet --release -p morph_collision_testkit --bin morph-lab --"
+lab := "cargo run --quiet --release -p morph_collision_testkit --"
 
 default:
     @just --list
@@ -282,7 +282,7 @@ mutations SECONDS="900" SEED="1":
 
 # Measures everything in docs/measurements and writes its pages, docs/performance.md and the README's numbers.
 report *ARGS:
-    cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs
+    {{lab}} report {{ARGS}} docs
 
 # Regenerates the tables and plots of a page in place: rapier, avian, characters, continuous or tolerance (--quick, --only TABLE).
 plugin-report PAGE *ARGS:

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision::{InputError, JointMatrices, ModelError, MorphModel, Triangle, WorldFromModel};
 
-use super::skin::{SkinnedBody, WeldedSkin};
 use super::PoseError;
+use super::skin::{SkinnedBody, WeldedSkin};
 use morph_collision_models::mesh::MorphMesh;
 
 /// A welded mesh in a form that is fast to blend as a whole: target by target, each with the vertices that

@@ -28,7 +28,10 @@ fn every_command_has_help_in_lines_that_are_not_too_long() -> TestResult {
     let commands: Vec<&str> = commands
         .filter_map(|line| line.strip_prefix("  ")?.split(' ').next())
         .collect();
-    let commands: Vec<&str> = commands.into_iter().filter(|command| !command.is_empty()).collect();
+    let commands: Vec<&str> = commands
+        .into_iter()
+        .filter(|command| !matches!(*command, "" | "help"))
+        .collect();
     assert!(commands.len() > 10 && commands.contains(&"make-assets"), "{commands:?}");
     for command in commands {
         let help = stdout_of(&run_program([command, "--help"])?);

@@ -136,9 +136,18 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
         (&["--volume", "kdop18"], &["--volume", "morph"]),
         (&["--in-betweens"], &["--in-betweens", "morph"]),
         (&["--method", "paper", "--arity", "2"], &["--arity", "paper"]),
-        (&["--method", "parry-trimesh", "--arity", "2"], &["--arity", "parry-trimesh"]),
-        (&["--method", "parry-trimesh", "--leaf", "2"], &["--leaf", "parry-trimesh"]),
-        (&["--method", "parry-trimesh", "--witness"], &["--witness", "parry-trimesh"]),
+        (
+            &["--method", "parry-trimesh", "--arity", "2"],
+            &["--arity", "parry-trimesh"],
+        ),
+        (
+            &["--method", "parry-trimesh", "--leaf", "2"],
+            &["--leaf", "parry-trimesh"],
+        ),
+        (
+            &["--method", "parry-trimesh", "--witness"],
+            &["--witness", "parry-trimesh"],
+        ),
         (&["--witness"], &["--witness", "--mode first"]),
         (&["--mode", "contacts", "--method", "hybrid"], &["--method", "contacts"]),
         (&["--mode", "contacts", "--witness"], &["--witness"]),

@@ -17,6 +17,7 @@ mod make_assets;
 mod methods;
 mod motions;
 mod mutations;
+mod report;
 mod run;
 mod steps;
 mod stress;
@@ -48,6 +49,7 @@ enum Command {
     Bench(bench::BenchArgs),
     #[command(about = run::ABOUT, long_about = run::LONG_ABOUT, after_help = run::EXAMPLES)]
     Run(run::LabRunArgs),
+    Report(report::ReportArgs),
     Certificates(certificates::CertificatesArgs),
     Containment(containment::ContainmentArgs),
     /// Compare the bits of answers with those that every machine must give.
@@ -80,6 +82,7 @@ fn run_command(command: &Command) -> Result<Verdict, AnyError> {
         Command::Stress(args) => stress::stress(args),
         Command::Bench(args) => bench::bench(args),
         Command::Run(args) => run::run(args),
+        Command::Report(args) => report::report(args),
         Command::Certificates(args) => certificates::certificates(args),
         Command::Containment(args) => containment::containment(args),
         Command::Determinism => determinism::determinism(),

@@ -6,13 +6,13 @@ use morph_collision_testkit::bench::Experiment;
 use morph_collision_testkit::report::Store;
 
 use super::{Measure, Topic, no_losses};
-use crate::candidates;
-use crate::comparison::every_method;
-use crate::context::Context;
-use crate::details::{self, details};
-use crate::page::Page;
-use crate::race::{Source, measure_topic};
-use crate::record::Record;
+use crate::report::candidates;
+use crate::report::comparison::every_method;
+use crate::report::context::Context;
+use crate::report::details::{self, details};
+use crate::report::page::Page;
+use crate::report::race::{Source, measure_topic};
+use crate::report::record::Record;
 
 const NAME: &str = "leaves";
 

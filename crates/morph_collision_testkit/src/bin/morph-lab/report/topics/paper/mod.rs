@@ -10,11 +10,11 @@ use morph_collision_testkit::report::Store;
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions};
 
 use super::{Measure, Topic};
-use crate::candidates::{Candidate, morph, rival};
-use crate::context::Context;
-use crate::losses::losses;
-use crate::page::Page;
-use crate::record::Record;
+use crate::report::candidates::{Candidate, morph, rival};
+use crate::report::context::Context;
+use crate::report::losses::losses;
+use crate::report::page::Page;
+use crate::report::record::Record;
 
 const NAME: &str = "paper";
 

@@ -9,12 +9,12 @@ use morph_collision_testkit::report::{Axis, Figure, Panel, Series, Store, Table,
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
 use super::{Measure, Topic};
-use crate::candidates::{morph, rival};
-use crate::context::Context;
-use crate::losses::{Loss, losses};
-use crate::page::Page;
-use crate::race::records;
-use crate::record::{ALL, FIRST, Record, Scene, scenes};
+use crate::report::candidates::{morph, rival};
+use crate::report::context::Context;
+use crate::report::losses::{Loss, losses};
+use crate::report::page::Page;
+use crate::report::race::records;
+use crate::report::record::{ALL, FIRST, Record, Scene, scenes};
 
 use growths::{GROWTHS, Growth};
 use sizes::Bytes;

@@ -6,9 +6,9 @@ use morph_collision_testkit::bench::Experiment;
 use morph_collision_testkit::report::{Axis, Figure, Panel, Series, Store, Table, exponent};
 
 use super::methods;
-use crate::context::Context;
-use crate::race::records;
-use crate::record::{ALL, FIRST, Record, Scene, scenes};
+use crate::report::context::Context;
+use crate::report::race::records;
+use crate::report::record::{ALL, FIRST, Record, Scene, scenes};
 
 const SCENE: &str = "dolphins";
 

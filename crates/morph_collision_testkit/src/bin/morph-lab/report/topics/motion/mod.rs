@@ -10,9 +10,9 @@ use morph_collision_testkit::motion::records::find_records;
 use morph_collision_testkit::report::Store;
 
 use super::{Measure, Topic, no_losses};
-use crate::context::Context;
-use crate::counts::{self, Count};
-use crate::page::Page;
+use crate::report::context::Context;
+use crate::report::counts::{self, Count};
+use crate::report::page::Page;
 use features::Queried;
 use frames::Recorded;
 

@@ -6,11 +6,11 @@ use std::path::Path;
 
 use morph_collision_testkit::report::{Page as Sections, Store, Table};
 
-use crate::comparison::{refitting_rivals, rivals};
-use crate::losses::losses_table;
-use crate::page::Origins;
-use crate::record::{Record, scenes};
-use crate::topics::{TOPICS, of_bodies, of_rays};
+use crate::report::comparison::{refitting_rivals, rivals};
+use crate::report::losses::losses_table;
+use crate::report::page::Origins;
+use crate::report::record::{Record, scenes};
+use crate::report::topics::{TOPICS, of_bodies, of_rays};
 
 /// Writes everything that is made from the rows.
 pub(crate) fn write(docs: &Path, store: &Store) -> Result<(), Box<dyn Error>> {
@@ -72,7 +72,7 @@ fn readme_table(rows: &[Record]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::tests::scene_of;
+    use crate::report::record::tests::scene_of;
 
     #[test]
     fn the_readme_has_few_scenes_and_the_rivals_that_refit() {

@@ -10,10 +10,10 @@ use morph_collision_testkit::rivals::Wanted;
 
 use super::batches::Run;
 use super::{Measure, Topic};
-use crate::context::Context;
-use crate::losses::Loss;
-use crate::page::Page;
-use crate::record::{ALL, FIRST, Record};
+use crate::report::context::Context;
+use crate::report::losses::Loss;
+use crate::report::page::Page;
+use crate::report::record::{ALL, FIRST, Record};
 
 const NAME: &str = "threads";
 

@@ -1,5 +1,4 @@
-//! Measures everything on the pages of `docs/measurements`, and writes them:
-//! `cargo run --release -p morph_collision_testkit --features report --bin report -- docs`.
+//! `morph-lab report docs`: measures everything on the pages of `docs/measurements`, and writes them.
 //!
 //! ```text
 //! a topic: experiments --testkit's bench--> rows --> data/TOPIC.csv --> TOPIC.md, plots/*.svg
@@ -24,19 +23,19 @@ mod topics;
 use std::error::Error;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::Parser;
+use clap::Args;
 use clap::builder::PossibleValuesParser;
+use morph_collision_cli::shared::{AnyError, Verdict};
 use morph_collision_testkit::bench;
 use morph_collision_testkit::report::Store;
 
 use context::Context;
 use topics::{Measure, TOPICS, Topic};
 
-/// Measures everything on the pages of docs/measurements, and writes them.
-#[derive(Parser)]
-struct Args {
+/// Measure everything on the pages of docs/measurements, and write them.
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
     /// The folder with performance.md and measurements/, in the root of the repository.
     docs: PathBuf,
     /// Measure only this topic; can be repeated.
@@ -59,17 +58,13 @@ struct Args {
     rounds: Option<NonZeroUsize>,
 }
 
-fn main() -> ExitCode {
-    match run(&Args::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+/// Measures and writes.
+pub(crate) fn report(args: &ReportArgs) -> Result<Verdict, AnyError> {
+    run(args).map_err(|error| error.to_string())?;
+    Ok(Verdict::Clean)
 }
 
-fn run(args: &Args) -> Result<(), Box<dyn Error>> {
+fn run(args: &ReportArgs) -> Result<(), Box<dyn Error>> {
     let (every, rounds) = if args.quick { (50, 1) } else { (20, 5) };
     let context = Context {
         every: args.every.map_or(every, NonZeroUsize::get),

@@ -15,8 +15,8 @@ use morph_collision_testkit::report::{Store, Table};
 use serde::{Deserialize, Serialize};
 
 use super::{Measure, Topic, no_losses};
-use crate::context::Context;
-use crate::page::Page;
+use crate::report::context::Context;
+use crate::report::page::Page;
 
 const NAME: &str = "worst_cases";
 const STILL: &str = "worst_cases_still";

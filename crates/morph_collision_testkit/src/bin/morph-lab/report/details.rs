@@ -2,7 +2,7 @@
 
 use morph_collision_testkit::report::{NOTHING, Table};
 
-use crate::record::{Record, Scene, scenes};
+use crate::report::record::{Record, Scene, scenes};
 
 /// How to read [`details`].
 pub(crate) const HOW_TO_READ: &str = "Counts are per frame, over all bodies: volumes blended (or refitted, or built), vertices blended, boxes tested against boxes,\n\
@@ -53,7 +53,7 @@ fn details_of(scene: Scene<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comparison::tests::heads;
+    use crate::report::comparison::tests::heads;
 
     #[test]
     fn details_have_a_row_for_each_method_and_columns_for_each_question() {

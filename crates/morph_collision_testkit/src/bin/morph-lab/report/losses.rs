@@ -2,7 +2,7 @@
 
 use morph_collision_testkit::report::{Table, ratio};
 
-use crate::record::Record;
+use crate::report::record::Record;
 
 /// Everything that is not ours.
 const ALL_RIVALS: [&str; 7] = [
@@ -73,8 +73,8 @@ pub(crate) fn losses_table(losses: &[Loss]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comparison::tests::heads;
-    use crate::record::FIRST;
+    use crate::report::comparison::tests::heads;
+    use crate::report::record::FIRST;
 
     #[test]
     fn only_rivals_that_are_faster_are_losses() {

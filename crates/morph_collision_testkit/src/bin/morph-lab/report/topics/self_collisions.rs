@@ -16,8 +16,8 @@ use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
 use super::{Measure, Topic, no_losses};
-use crate::context::Context;
-use crate::page::Page;
+use crate::report::context::Context;
+use crate::report::page::Page;
 
 const NAME: &str = "self_collisions";
 

@@ -6,13 +6,13 @@ use morph_collision_testkit::bench::Experiment;
 use morph_collision_testkit::report::{NOTHING, Store, Table, ratios};
 
 use super::{Measure, Topic};
-use crate::candidates::{self, WITNESS};
-use crate::context::Context;
-use crate::details::{self, details};
-use crate::losses::{losses, losses_table};
-use crate::page::Page;
-use crate::race::{Source, measure_topic};
-use crate::record::{ALL, FIRST, Record, scenes};
+use crate::report::candidates::{self, WITNESS};
+use crate::report::context::Context;
+use crate::report::details::{self, details};
+use crate::report::losses::{losses, losses_table};
+use crate::report::page::Page;
+use crate::report::race::{Source, measure_topic};
+use crate::report::record::{ALL, FIRST, Record, scenes};
 
 const NAME: &str = "frame_to_frame";
 

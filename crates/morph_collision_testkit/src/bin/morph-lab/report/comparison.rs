@@ -2,7 +2,7 @@
 
 use morph_collision_testkit::report::{Table, ratios};
 
-use crate::record::{Record, Scene, scenes, short_title};
+use crate::report::record::{Record, Scene, scenes, short_title};
 
 /// The rivals: a title, and the method.
 const RIVALS: [(&str, &str); 5] = [
@@ -87,7 +87,7 @@ pub(crate) fn limits<'a>(scenes: impl Iterator<Item = Scene<'a>>) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::record::tests::scene_of;
+    use crate::report::record::tests::scene_of;
 
     pub(crate) fn heads() -> Vec<Record> {
         scene_of(

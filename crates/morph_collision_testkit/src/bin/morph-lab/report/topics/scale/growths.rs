@@ -3,7 +3,7 @@
 use morph_collision_models::generated::random::random_blob;
 use morph_collision_testkit::bench::Experiment;
 
-use crate::context::Context;
+use crate::report::context::Context;
 
 /// A number that grows.
 pub(super) struct Growth {

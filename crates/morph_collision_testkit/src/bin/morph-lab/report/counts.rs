@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use morph_collision_testkit::report::{NOTHING, Table};
 
-use crate::context::Context;
+use crate::report::context::Context;
 
 /// The data files: the scenes of `just instructions`, of `just instructions-motion`, and of `just instructions-profiles`.
 pub(crate) const DATA: [&str; 3] = [SCENES, MOTION, PROFILES];

@@ -8,9 +8,9 @@ use morph_collision_testkit::rivals::Wanted;
 use serde::{Deserialize, Serialize};
 
 use super::methods;
-use crate::context::Context;
-use crate::race::race;
-use crate::record::{ALL, FIRST, Record, scene};
+use crate::report::context::Context;
+use crate::report::race::race;
+use crate::report::record::{ALL, FIRST, Record, scene};
 
 pub(super) const DATA: &str = "paper_steps";
 

@@ -19,12 +19,12 @@ use std::error::Error;
 
 use morph_collision_testkit::report::Store;
 
-use crate::comparison::{self, limits, rivals};
-use crate::context::Context;
-use crate::details::{self, details};
-use crate::losses::{Loss, losses, losses_table};
-use crate::page::Page;
-use crate::record::{Record, scenes};
+use crate::report::comparison::{self, limits, rivals};
+use crate::report::context::Context;
+use crate::report::details::{self, details};
+use crate::report::losses::{Loss, losses, losses_table};
+use crate::report::page::Page;
+use crate::report::record::{Record, scenes};
 
 /// Measures and stores rows.
 type Measurement = fn(&Context) -> Result<(), Box<dyn Error>>;

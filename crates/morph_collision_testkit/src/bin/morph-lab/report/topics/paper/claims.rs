@@ -8,10 +8,10 @@ use morph_collision_testkit::rivals::{MethodKind, PaperOptions, Wanted};
 
 use super::resolution::sizes;
 use super::{BINARY, ours, theirs};
-use crate::candidates::{Candidate, rival};
-use crate::context::Context;
-use crate::race::race;
-use crate::record::{ALL, FIRST, Record, Scene, scene};
+use crate::report::candidates::{Candidate, rival};
+use crate::report::context::Context;
+use crate::report::race::race;
+use crate::report::record::{ALL, FIRST, Record, Scene, scene};
 
 const IN_BETWEENS: &str = "in-betweens";
 const BEST_STEP: &str = "all, the step that gains most";

@@ -5,12 +5,12 @@ use std::error::Error;
 use morph_collision_testkit::bench::Experiment;
 
 use super::{Measure, Topic, page_of_methods};
-use crate::candidates;
-use crate::context::Context;
-use crate::losses::losses;
-use crate::page::{Origins, Page};
-use crate::race::{Source, measure_topic};
-use crate::record::Record;
+use crate::report::candidates;
+use crate::report::context::Context;
+use crate::report::losses::losses;
+use crate::report::page::{Origins, Page};
+use crate::report::race::{Source, measure_topic};
+use crate::report::record::Record;
 
 pub(super) const NAME: &str = "skinned";
 

@@ -5,8 +5,8 @@ use std::error::Error;
 use morph_collision_testkit::report::Store;
 
 use super::{Measure, Topic, no_losses};
-use crate::counts::{self, Count};
-use crate::page::Page;
+use crate::report::counts::{self, Count};
+use crate::report::page::Page;
 
 pub(super) const TOPIC: Topic = Topic {
     name: "instructions",

@@ -5,9 +5,9 @@ use std::error::Error;
 use morph_collision::batch::Wanted;
 use morph_collision_testkit::bench::{Experiment, NoExperiment, Plan, Row, disagreement, measure};
 
-use crate::candidates::Candidate;
-use crate::context::Context;
-use crate::record::{ALL, FIRST, Record};
+use crate::report::candidates::Candidate;
+use crate::report::context::Context;
+use crate::report::record::{ALL, FIRST, Record};
 
 /// An experiment, or the one whose model is missing.
 pub(crate) enum Source {

@@ -50,6 +50,14 @@
 //!
 //! Over those vertices the answer is exact: touching counts, coplanar and degenerate triangles are handled, and there is no epsilon.
 //! Trees only change the speed. [`PlacedShape::intersects`] says what is exact for balls, capsules and half-spaces.
+//!
+//! # Order of the folders
+//!
+//! A folder uses only those to its right:
+//!
+//! ```text
+//! proof > query > traverse > pose > tree > bounds, model > joints > exact, hash, input_error
+//! ```
 #![forbid(unsafe_code)]
 // docs.rs shows which feature an item needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -1,3 +1,5 @@
+//! Axis-aligned boxes in `f32`.
+
 use glam::Vec3;
 
 /// A closed axis-aligned box.

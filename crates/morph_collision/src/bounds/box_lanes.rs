@@ -1,3 +1,5 @@
+//! Eight boxes side by side.
+
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::Vec3;

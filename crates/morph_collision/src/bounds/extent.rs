@@ -1,3 +1,5 @@
+//! Boxes in `f64`.
+
 use glam::{DVec3, Vec3};
 
 use super::{Aabb, down, up};

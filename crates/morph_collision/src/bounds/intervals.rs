@@ -1,3 +1,5 @@
+//! How far targets move the ends of boxes: intervals for each unit of weight, as 16-bit numbers rounded outward.
+
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
 use glam::Vec3;
@@ -24,8 +26,8 @@ pub(crate) const fn intervals_len(width: usize) -> usize {
 impl<'a, const W: usize> Intervals<'a, W> {
     /// The intervals at an index of a list. The list must end with [`LANES`] unused words.
     #[inline(always)]
-    pub(crate) fn at(list: &'a [u32], place: usize) -> Self {
-        Self(&list[place * intervals_len(W)..][..2 * W + LANES])
+    pub(crate) fn at(list: &'a [u32], index: usize) -> Self {
+        Self(&list[index * intervals_len(W)..][..2 * W + LANES])
     }
 }
 

@@ -1,3 +1,5 @@
+//! The inverse of a map to the world, with bounds on its error.
+
 use glam::{DMat3, DVec3};
 
 use super::rounding::U64;

@@ -1,3 +1,5 @@
+//! Eight numbers side by side, and bit masks over them.
+
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 

@@ -1,3 +1,5 @@
+//! Boxes that move, in `f64`, and when they first overlap.
+
 use super::Extent;
 
 /// More than the relative rounding error of a time: two differences, a sum, a quotient and a product (docs/numerics.md).

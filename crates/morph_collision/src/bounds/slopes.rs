@@ -1,3 +1,5 @@
+//! How far targets move the ends of boxes towards their reference boxes.
+
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
@@ -20,8 +22,8 @@ pub(crate) const fn slopes_len(width: usize) -> usize {
 impl<'a, const W: usize> Slopes<'a, W> {
     /// The slopes at an index of a list. The list must end with [`LANES`] unused numbers.
     #[inline(always)]
-    pub(crate) fn at(list: &'a [f32], place: usize) -> Self {
-        let slopes = &list[place * slopes_len(W)..][..5 * W + LANES];
+    pub(crate) fn at(list: &'a [f32], index: usize) -> Self {
+        let slopes = &list[index * slopes_len(W)..][..5 * W + LANES];
         Self {
             min: &slopes[..2 * W + LANES],
             max: &slopes[3 * W..],

@@ -1,3 +1,5 @@
+//! The placement of a body in the world.
+
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
 use super::inverse::Inverse;

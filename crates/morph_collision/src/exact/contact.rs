@@ -1,3 +1,5 @@
+//! How two intersecting triangles touch: the segment that they share, and a normal.
+
 use std::cmp::Ordering::{self, Equal};
 
 use glam::DVec3;

@@ -1,3 +1,5 @@
+//! Tests of rays, regions and closest points against other arithmetic.
+
 use glam::DVec3;
 use morph_collision_testkit::oracle::{self, Dyadic};
 use proptest::prelude::*;

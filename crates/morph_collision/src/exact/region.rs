@@ -1,3 +1,5 @@
+//! Whether a triangle meets a convex region, which half-spaces bound.
+
 use std::cmp::Ordering::{Equal, Less};
 
 use glam::DVec3;

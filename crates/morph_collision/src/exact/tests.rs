@@ -1,3 +1,5 @@
+//! Tests of pairs of triangles.
+
 use glam::DVec3;
 use proptest::prelude::*;
 

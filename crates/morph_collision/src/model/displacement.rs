@@ -1,3 +1,5 @@
+//! A displacement of a vertex.
+
 use glam::Vec3;
 
 /// The displacement of one vertex by one target.

@@ -1,3 +1,5 @@
+//! Why a mesh is refused.
+
 use thiserror::Error;
 
 /// Why a mesh cannot become a [`MorphModel`](crate::MorphModel).

@@ -1,3 +1,5 @@
+//! The mesh with its targets and joints.
+
 use std::fmt;
 use std::hash::{BuildHasher, RandomState};
 use std::ops::Range;
@@ -331,7 +333,7 @@ struct Lists {
 }
 
 impl Lists {
-    /// The place in `targets` where a list starts.
+    /// The index in `targets` where a list starts.
     fn start_of(&mut self, list: &[u16]) -> u32 {
         let Self { targets, known, random } = self;
         let is_known = |range: &Range<usize>| targets[range.clone()] == *list;

@@ -80,7 +80,7 @@ struct Block {
 }
 
 /// The block of a vertex, and its bit in it.
-fn place(vertex: usize) -> (usize, u32) {
+fn block_and_bit(vertex: usize) -> (usize, u32) {
     (vertex / 32, 1 << (vertex % 32))
 }
 
@@ -114,7 +114,7 @@ impl Extend<Vec3> for SparseTarget {
     /// Adds the displacements of the next vertices.
     fn extend<I: IntoIterator<Item = Vec3>>(&mut self, displacements: I) {
         for displacement in displacements {
-            let (block, bit) = place(self.len);
+            let (block, bit) = block_and_bit(self.len);
             if block == self.blocks.len() {
                 self.blocks.push(Block {
                     start: self.displacements.len() as u32,
@@ -158,7 +158,7 @@ impl sealed::Sealed for SparseTarget {
 
     #[inline]
     fn of(&self, vertex: usize) -> Vec3 {
-        let (block, bit) = place(vertex);
+        let (block, bit) = block_and_bit(vertex);
         let Block { start, moved } = self.blocks[block];
         if moved & bit == 0 {
             return Vec3::ZERO;

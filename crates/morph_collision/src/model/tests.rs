@@ -1,3 +1,5 @@
+//! Tests of what models accept and how they weld vertices.
+
 use glam::Vec3;
 
 use super::{BadParts, Influences, ModelError, MorphModel, SparseTarget};

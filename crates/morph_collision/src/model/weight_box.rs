@@ -1,4 +1,6 @@
-use crate::InputError;
+//! Intervals of weights.
+
+use crate::input_error::InputError;
 
 /// An interval for the weight of each target.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,3 +1,5 @@
+//! The weights of a pose, and which of them are not 0.
+
 /// One weight per target, and a list of the nonzero ones, so that blending costs only what those cost.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {

@@ -62,13 +62,13 @@ fn evaluate_lanes<S: Simd, const W: usize>(
         products: 0,
     };
     let mut few = [0; FEW];
-    if let Some(places) = few_places(tables, weights, &mut few) {
-        for &place in places {
-            sums.add::<S, W>(simd, tables, usize::from(place), weights, boxes);
+    if let Some(indices) = few_indices(tables, weights, &mut few) {
+        for &index in indices {
+            sums.add::<S, W>(simd, tables, usize::from(index), weights, boxes);
         }
     } else {
-        for place in 0..tables.targets.len() {
-            sums.add::<S, W>(simd, tables, place, weights, boxes);
+        for index in 0..tables.targets.len() {
+            sums.add::<S, W>(simd, tables, index, weights, boxes);
         }
     }
     (widening(sums.reach, sums.active, sums.products), sums.reach)
@@ -83,17 +83,17 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds the target at index `place` of the tables to the boxes.
+    /// Adds the target at `index` of the tables to the boxes.
     #[inline(always)]
     fn add<S: Simd, const W: usize>(
         &mut self,
         simd: S,
         tables: GroupTables<'_>,
-        place: usize,
+        index: usize,
         weights: &Weights,
         boxes: &mut BoxLanes,
     ) {
-        let local = &tables.targets[place];
+        let local = &tables.targets[index];
         let weight = weights.all()[usize::from(local.target)];
         if weight == 0.0 {
             return;
@@ -101,16 +101,16 @@ impl Sums {
         self.active += 1;
         self.reach += weight.abs() * local.reach;
         let mut rest = weight;
-        if place < tables.reference_count && weight > 0.0 && self.budget > 0.0 {
+        if index < tables.reference_count && weight > 0.0 && self.budget > 0.0 {
             let amount = weight.min(self.budget);
             self.budget -= amount;
             rest -= amount;
             self.products += 1;
-            boxes.add_scaled(simd, amount, Slopes::<W>::at(tables.references, place));
+            boxes.add_scaled(simd, amount, Slopes::<W>::at(tables.references, index));
         }
         if rest != 0.0 {
             self.products += 1;
-            boxes.add_interval(simd, rest, Intervals::<W>::at(tables.intervals, place));
+            boxes.add_interval(simd, rest, Intervals::<W>::at(tables.intervals, index));
         }
     }
 }
@@ -142,7 +142,7 @@ fn change_lanes<S: Simd, const W: usize>(
 ) {
     *boxes = BoxLanes::default();
     let (mut reach, mut active, mut products) = (tables.base_reach, 0, 0);
-    for (place, local) in tables.targets.iter().enumerate() {
+    for (index, local) in tables.targets.iter().enumerate() {
         let target = usize::from(local.target);
         let (before, now) = (before[target], now[target]);
         let largest = before.abs().max(now.abs());
@@ -151,7 +151,7 @@ fn change_lanes<S: Simd, const W: usize>(
         let by = now - before;
         if by != 0.0 {
             products += 1;
-            boxes.add_interval(simd, by, Intervals::<W>::at(tables.intervals, place));
+            boxes.add_interval(simd, by, Intervals::<W>::at(tables.intervals, index));
         }
     }
     // With equal weights, both positions are rounded the same way.
@@ -164,18 +164,26 @@ fn change_lanes<S: Simd, const W: usize>(
 
 /// The indices of the active targets in a group's tables, ascending. `None` if it is faster to go over all targets.
 #[inline(always)]
-pub(super) fn few_places<'f>(tables: GroupTables<'_>, weights: &Weights, few: &'f mut [u16; FEW]) -> Option<&'f [u16]> {
+pub(super) fn few_indices<'f>(
+    tables: GroupTables<'_>,
+    weights: &Weights,
+    few: &'f mut [u16; FEW],
+) -> Option<&'f [u16]> {
     if weights.active().len() > FEW || !weights.are_few_of(tables.targets.len()) {
         return None;
     }
     let mut count = 0;
-    for place in weights.active().iter().filter_map(|&(target, _)| tables.place(target)) {
-        few[count] = place;
+    for index in weights
+        .active()
+        .iter()
+        .filter_map(|&(target, _)| tables.index_of(target))
+    {
+        few[count] = index;
         count += 1;
     }
-    let places = &mut few[..count];
-    places.sort_unstable();
-    Some(places)
+    let indices = &mut few[..count];
+    indices.sort_unstable();
+    Some(indices)
 }
 
 /// Blends the corners of a patch, in the order that

@@ -6,7 +6,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::blend::{FEW, few_places};
+use super::blend::{FEW, few_indices};
 use super::{Pose, Posed};
 use crate::bounds::{LANES, Lanes, levels};
 use crate::model::MorphModel;
@@ -151,7 +151,7 @@ fn few_active_targets_are_looked_up_in_the_order_of_the_tables() {
                 let tables = posed.tables.group(group);
                 let is_active = |&place: &u16| weights[usize::from(tables.targets[usize::from(place)].target)] != 0.0;
                 let expected: Vec<u16> = (0..tables.targets.len() as u16).filter(is_active).collect();
-                if let Some(places) = few_places(tables, posed.weights, &mut [0; FEW]) {
+                if let Some(places) = few_indices(tables, posed.weights, &mut [0; FEW]) {
                     assert_eq!(places, expected, "group {group}");
                     looked_up += places.len();
                 }

@@ -1,3 +1,5 @@
+//! Bounds on how far vertices move, compared with all vertices.
+
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};

@@ -1,3 +1,5 @@
+//! The public type of a pose: its weights, its joints and its caches.
+
 use std::fmt;
 use std::sync::Arc;
 
@@ -5,7 +7,7 @@ use glam::{Vec3, Vec3A};
 
 use super::cache::EpochCache;
 use super::placed_body::PlacedBody;
-use super::posed::{Blended, Posed, Scratch};
+use super::posed::{BlendBuffers, Blended, Posed};
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
 use super::weights::WeightsError;
@@ -46,7 +48,7 @@ pub struct Pose {
     pub(super) skinning: Option<(WorldFromModel, Skinning)>,
     placed_body: PlacedBody,
     blended: Blended,
-    scratch: Scratch,
+    buffers: BlendBuffers,
 }
 
 impl Pose {
@@ -70,7 +72,7 @@ impl Pose {
             }),
             placed_body: PlacedBody::default(),
             blended: Blended::default(),
-            scratch: Scratch::default(),
+            buffers: BlendBuffers::default(),
             skinning,
             bvh,
         };
@@ -117,14 +119,14 @@ impl Pose {
         }
         self.placed_body.invalidate();
         self.is_refitted = false;
-        if let (Some((place, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
+        if let (Some((world_from_body, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
             let tree = SkinTree {
                 model: self.bvh.model(),
                 skin: tables,
                 weights: &self.weights,
                 level: self.bvh.kernel().level,
             };
-            *place = skinning.change(tree, weights_changed);
+            *world_from_body = skinning.change(tree, weights_changed);
         }
     }
 
@@ -280,12 +282,12 @@ impl Pose {
     }
 
     pub(crate) fn posed_at<'p>(&'p mut self, world_from_model: &'p WorldFromModel) -> Posed<'p> {
-        let (place, skin) = match (&mut self.skinning, &self.bvh.skin) {
-            (Some((place, skinning)), Some(tables)) => (&*place, Some((&**tables, skinning))),
+        let (world_from_model, skin) = match (&mut self.skinning, &self.bvh.skin) {
+            (Some((world_from_body, skinning)), Some(tables)) => (&*world_from_body, Some((&**tables, skinning))),
             _ => (world_from_model, None),
         };
         Posed {
-            place,
+            world_from_model,
             skin,
             is_refitted: self.is_refitted,
             model: self.bvh.model(),
@@ -297,7 +299,7 @@ impl Pose {
             vertices: &mut self.vertices,
             placed_body: &mut self.placed_body,
             blended: &mut self.blended,
-            scratch: &mut self.scratch,
+            buffers: &mut self.buffers,
             level: self.bvh.kernel().level,
         }
     }

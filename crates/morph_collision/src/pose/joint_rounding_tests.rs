@@ -157,7 +157,7 @@ impl Case {
         });
         let was_kept = self.pose.posed().blended().volumes == blended;
         let posed = self.pose.posed();
-        let is_a_joints = posed.place.is_well_conditioned();
+        let is_a_joints = posed.world_from_model.is_well_conditioned();
         (is_a_joints && boxes.len() > 1 && (was_kept || self.form != Form::Kept)).then_some(boxes)
     }
 

@@ -104,7 +104,7 @@ impl OuterBoxes {
         let mut parts = self.parts.iter();
         for (lane, child) in children.children.iter().enumerate() {
             let mut ends = origin;
-            for (place, (part, (center, half))) in child.parts.iter().zip(&mut parts).enumerate() {
+            for (index, (part, (center, half))) in child.parts.iter().zip(&mut parts).enumerate() {
                 let map = &self.maps[usize::from(part.joint)];
                 let mut image = f32x8::from_slice(simd, &map[3].0);
                 for axis in 0..3 {
@@ -112,7 +112,7 @@ impl OuterBoxes {
                     image += column * f32x8::splat(simd, center[axis]);
                     image -= column.abs() * f32x8::splat(simd, half[axis]);
                 }
-                ends = if place == 0 {
+                ends = if index == 0 {
                     image
                 } else {
                     ends + (image - ends).min(f32x8::splat(simd, 0.0)) * f32x8::splat(simd, part.share)

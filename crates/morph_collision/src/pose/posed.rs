@@ -1,3 +1,5 @@
+//! A pose, borrowed for a query, with its tree.
+
 use fearless_simd::{Level, Simd};
 use glam::{DVec3, Vec3, Vec3A};
 
@@ -27,11 +29,11 @@ pub(crate) struct NodeRef {
 
 /// A pose borrowed for a query. Traversals walk over it.
 ///
-/// Boxes are in model space, which `place` takes to the world. The boxes of a skinned mesh are in the body's frame, which the
+/// Boxes are in model space, which `world_from_model` takes to the world. The boxes of a skinned mesh are in the body's frame, which the
 /// pose chooses, and joints place its vertices.
 pub(crate) struct Posed<'a> {
     /// Takes the space of the boxes to world space.
-    pub(crate) place: &'a WorldFromModel,
+    pub(crate) world_from_model: &'a WorldFromModel,
     pub(super) skin: Option<(&'a SkinTables, &'a mut Skinning)>,
     pub(super) is_refitted: bool,
     pub(crate) model: &'a MorphModel,
@@ -43,14 +45,14 @@ pub(crate) struct Posed<'a> {
     pub(super) vertices: &'a mut EpochCache<Vec3A>,
     pub(super) placed_body: &'a mut PlacedBody,
     pub(super) blended: &'a mut Blended,
-    pub(super) scratch: &'a mut Scratch,
+    pub(super) buffers: &'a mut BlendBuffers,
     /// The SIMD level of the kernels.
     pub(crate) level: Level,
 }
 
-/// Scratch buffers for blending.
+/// BlendBuffers buffers for blending.
 #[derive(Clone, Default)]
-pub(super) struct Scratch {
+pub(super) struct BlendBuffers {
     corners: Vec<CornerLanes>,
     points: Vec<[f32; 4]>,
     pub(super) world: Vec<[f64; 4]>,
@@ -142,7 +144,7 @@ impl Posed<'_> {
             return self.skinned_vertex(vertex);
         }
         let position = self.vertex(vertex);
-        self.place.transform_point(position.into())
+        self.world_from_model.transform_point(position.into())
     }
 
     /// The corners of a triangle in world space.
@@ -179,14 +181,14 @@ impl Posed<'_> {
     #[inline(always)]
     fn gather_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
         let mesh = self.topology.leaf_mesh(leaf);
-        let mut points = std::mem::take(&mut self.scratch.points);
+        let mut points = std::mem::take(&mut self.buffers.points);
         points.clear();
         for &vertex in mesh.vertices {
             points.push(self.vertex(vertex).extend(0.0).to_array());
         }
         let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
         gather(simd, triangles, &points, corners);
-        self.scratch.points = points;
+        self.buffers.points = points;
     }
 
     /// Replaces all cached boxes with tight ones, fitted from the leaves up. Cost: `O(n)`.
@@ -198,7 +200,7 @@ impl Posed<'_> {
             self.boxes.insert(group, BoxLanes::default());
             self.blended.volumes += topology.group(group).children().len() as u64;
         }
-        let mut corners = std::mem::take(&mut self.scratch.corners);
+        let mut corners = std::mem::take(&mut self.buffers.corners);
         // Groups are in preorder, so children come after their parents.
         for group in (0..topology.group_count()).rev() {
             for (lane, child) in topology.group(group).children().iter().enumerate() {
@@ -217,7 +219,7 @@ impl Posed<'_> {
                 self.boxes.get_mut(group).set(lane, &bounds);
             }
         }
-        self.scratch.corners = corners;
+        self.buffers.corners = corners;
     }
 
     pub(crate) fn blended(&self) -> Blended {

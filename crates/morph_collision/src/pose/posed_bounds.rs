@@ -74,8 +74,8 @@ impl Posed<'_> {
 
     /// Places the body, or returns the cached result if it has not moved: several queries per frame ask for the same.
     pub(crate) fn placed_body(&mut self) -> &PlacedBody {
-        if !self.placed_body.is_at(self.place) {
-            let world_from_model = self.place;
+        if !self.placed_body.is_at(self.world_from_model) {
+            let world_from_model = self.world_from_model;
             let bounds = self.bounds();
             let magnitude = bounds.magnitude().as_dvec3();
             let placed = match &self.skin {

@@ -128,11 +128,11 @@ impl<'a> Posed<'a> {
             return self
                 .skin
                 .is_some()
-                .then(|| (self.boxes.get(slot).get(lane), *self.place));
+                .then(|| (self.boxes.get(slot).get(lane), *self.world_from_model));
         }
         let FrameBoxes { frame, slot } = self.open_in_frame(group)?;
         let (_, skinning) = self.skin.as_ref()?;
-        Some((skinning.boxes(slot).get(lane), skinning.place_of(frame)))
+        Some((skinning.boxes(slot).get(lane), skinning.world_from_frame(frame)))
     }
 
     /// The position of a vertex in world space.
@@ -144,15 +144,15 @@ impl<'a> Posed<'a> {
     /// The positions of a leaf's vertices in world space. The fourth number of each is padding.
     pub(crate) fn world_vertices(&mut self, leaf: Leaf) -> &[[f64; 4]] {
         with_simd!(self.level, simd => self.place_vertices(simd, leaf));
-        &self.scratch.world
+        &self.buffers.world
     }
 
     #[inline(always)]
     fn place_vertices<S: Simd>(&mut self, simd: S, leaf: Leaf) {
-        self.scratch.world.clear();
+        self.buffers.world.clear();
         for &vertex in self.topology.leaf_vertices(leaf) {
             let placed = self.place_vertex(simd, vertex);
-            self.scratch.world.push(placed);
+            self.buffers.world.push(placed);
         }
     }
 
@@ -174,9 +174,9 @@ impl<'a> Posed<'a> {
     /// A tight box around a leaf's vertices in the body's frame.
     pub(super) fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
         let mut extent = Extent::EMPTY;
-        let place = self.place;
+        let world_from_body = self.world_from_model;
         for &[x, y, z, _] in self.world_vertices(leaf) {
-            let (point, error) = place.model_point(DVec3::new(x, y, z));
+            let (point, error) = world_from_body.model_point(DVec3::new(x, y, z));
             let of_point = Extent {
                 min: point - error,
                 max: point + error,

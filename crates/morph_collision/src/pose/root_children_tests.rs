@@ -87,7 +87,7 @@ fn check_outer_boxes(pose: &mut Pose, context: &str) -> (f64, f64) {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &triangle in posed.topology.triangles_below(*child) {
             for point in posed.world_triangle(triangle) {
-                let (point, error) = posed.place.model_point(point);
+                let (point, error) = posed.world_from_model.model_point(point);
                 // Positions in the world are rounded.
                 let error = DVec3::splat(error + 1e-13 * point.length());
                 let is_in = (point + error).cmpge(bounds.min.as_dvec3()) & (point - error).cmple(bounds.max.as_dvec3());

@@ -195,7 +195,7 @@ impl Skinning {
                 let has_changed = if own == Some(joint) && self.frames[frame].is_used {
                     !std::mem::replace(&mut kept.map, JointMap::IDENTITY).is_identity
                 } else {
-                    kept.map.follow(simd, of, self.joints.padded(joint), self.reach)
+                    kept.map.update(simd, of, self.joints.padded(joint), self.reach)
                 };
                 if has_changed || kept.changed == 0 {
                     kept.changed = self.version;
@@ -303,7 +303,7 @@ impl Skinning {
     }
 
     /// The transform from a frame to the world.
-    pub(super) fn place_of(&self, frame: usize) -> WorldFromModel {
+    pub(super) fn world_from_frame(&self, frame: usize) -> WorldFromModel {
         self.frames[frame].place
     }
 

@@ -1,3 +1,5 @@
+//! Tests of what poses accept, keep and return.
+
 use std::sync::Arc;
 
 use glam::Vec3;

@@ -1,3 +1,5 @@
+//! Visits a posed tree's nodes, for tools.
+
 use super::Pose;
 use crate::bounds::{Aabb, WorldFromModel};
 use crate::tree::ChildKind;
@@ -37,7 +39,7 @@ impl Pose {
             let own = posed.box_in_frame(node.id);
             let visited = PosedNode {
                 bounds: own.map_or_else(|| posed.node_box(node), |(bounds, _)| bounds),
-                world_from_bounds: own.map(|(_, place)| place),
+                world_from_bounds: own.map(|(_, world_from_bounds)| world_from_bounds),
                 was_cached,
                 depth,
                 is_leaf: matches!(kind, ChildKind::Leaf(_)),

@@ -1,3 +1,5 @@
+//! Checks of weights that a pose is given.
+
 use thiserror::Error;
 
 use crate::model::{LARGEST, MorphModel};

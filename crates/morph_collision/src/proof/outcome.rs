@@ -1,3 +1,5 @@
+//! How hard a proof tries, and what it finds.
+
 use crate::query::TrianglePair;
 use crate::tree::OpenPairs;
 

@@ -48,8 +48,8 @@ impl TriangleMotion {
         let mut moved: Vec<(u16, [Vec3; 3])> = targets.iter().map(|&target| (target, [Vec3::ZERO; 3])).collect();
         for (i, &corner) in corners.iter().enumerate() {
             for displacement in model.displacements(corner) {
-                let place = targets.partition_point(|&target| target < displacement.target);
-                moved[place].1[i] = displacement.delta;
+                let index = targets.partition_point(|&target| target < displacement.target);
+                moved[index].1[i] = displacement.delta;
             }
         }
         let base = corners.map(|corner| model.base(corner));

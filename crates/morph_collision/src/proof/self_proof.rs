@@ -1,9 +1,11 @@
+//! A proof about one mesh, prepared and cut into parts.
+
 use std::sync::Arc;
 
 use super::nodes::NodeMotions;
 use super::outcome::Effort;
-use crate::InputError;
 use crate::hash::hash;
+use crate::input_error::InputError;
 use crate::model::WeightBox;
 use crate::tree::{ChildKind, Leaf, MorphBvh, NodeId};
 
@@ -148,7 +150,7 @@ impl SelfProof {
 /// A hash of the mesh, the order of its triangles in the tree, and the box.
 fn key(bvh: &MorphBvh, weights: &WeightBox) -> u64 {
     let topology = &bvh.topology;
-    let triangles = (0..topology.triangle_count()).map(|place| u64::from(topology.triangle(place)));
+    let triangles = (0..topology.triangle_count()).map(|index| u64::from(topology.triangle(index)));
     let leaves = (0..topology.leaf_count()).map(|leaf| topology.leaf_range(Leaf(leaf)).end as u64);
     let intervals = (0..weights.len()).filter_map(|target| weights.interval(target));
     let ends = intervals.flatten().map(|end| u64::from(end.to_bits()));

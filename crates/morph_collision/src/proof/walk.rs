@@ -90,9 +90,9 @@ impl<'a> Walk<'a> {
         let open = &mut self.outcome.open.patches;
         let masks = self.masks.iter().enumerate().filter(|(_, mask)| **mask != 0);
         let masks = masks.take(proof.most_open.saturating_sub(open.len()));
-        open.extend(masks.map(|(place, &unrelated)| PatchPair {
+        open.extend(masks.map(|(index, &unrelated)| PatchPair {
             leaves: [a.0 as u32, b.0 as u32],
-            patches: [(place / patches) as u8, (place % patches) as u8],
+            patches: [(index / patches) as u8, (index % patches) as u8],
             unrelated,
         }));
     }

@@ -1,3 +1,5 @@
+//! Points that stay on a surface.
+
 use glam::DVec3;
 
 use super::body::Body;
@@ -13,10 +15,10 @@ use crate::exact::Triangle;
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
 /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-/// # let place = WorldFromModel::IDENTITY;
+/// # let world_from_model = WorldFromModel::IDENTITY;
 /// let anchor = SurfaceAnchor { triangle: 0, barycentrics: [0.5, 0.5, 0.0] };
 /// pose.set_weights(&[2.0])?;
-/// assert_eq!(anchor.point(Body::new(&mut pose, &place)), Some(DVec3::new(0.5, 0.0, 2.0)));
+/// assert_eq!(anchor.point(Body::new(&mut pose, &world_from_model)), Some(DVec3::new(0.5, 0.0, 2.0)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

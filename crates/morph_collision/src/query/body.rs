@@ -1,3 +1,5 @@
+//! A pose and its placement.
+
 use std::ops::Range;
 
 use glam::DVec3;

@@ -1,3 +1,5 @@
+//! Lists with a limit.
+
 use std::ops::ControlFlow;
 
 /// A list with a limit. It records whether an item was left out.

@@ -1,8 +1,8 @@
 //! Rays and convex regions in world space, validated once.
 
-use crate::InputError;
 use crate::bounds::Aabb;
 use crate::exact::{Line, Plane, power_of_two_below};
+use crate::input_error::InputError;
 use crate::input_error::{check_direction, check_length, check_number, check_point};
 use glam::DVec3;
 

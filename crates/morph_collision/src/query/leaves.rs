@@ -54,8 +54,8 @@ pub(super) fn place_leaf(
     if tree.is_skinned() {
         let mesh = tree.topology.leaf_mesh(leaf);
         let points = tree.world_vertices(leaf);
-        let point = |place: u16| {
-            let [x, y, z, _] = points[usize::from(place)];
+        let point = |vertex: u16| {
+            let [x, y, z, _] = points[usize::from(vertex)];
             DVec3::new(x, y, z)
         };
         let corners = |triangle: &[u16; 3]| triangle.map(point);
@@ -71,7 +71,7 @@ pub(super) fn place_leaf(
     tree.leaf_corners(leaf, posed);
     for (corners, numbers) in posed.iter().zip(numbers.chunks(LANES)) {
         let triangles = numbers.iter().enumerate();
-        placed.extend(triangles.map(|(lane, &number)| (number, placed_triangle(corners, lane, tree.place))));
+        placed.extend(triangles.map(|(lane, &number)| (number, placed_triangle(corners, lane, tree.world_from_model))));
     }
 }
 

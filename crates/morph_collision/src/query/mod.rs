@@ -12,7 +12,7 @@ macro_rules! query_basics {
 
             /// Returns the work done by the last call.
             #[must_use]
-            pub fn stats(&self) -> crate::QueryStats {
+            pub fn stats(&self) -> crate::query::QueryStats {
                 let $self = self;
                 $stats
             }

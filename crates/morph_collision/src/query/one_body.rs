@@ -1,3 +1,5 @@
+//! The walk that queries about one body share.
+
 use std::ops::ControlFlow;
 
 use super::body::Body;

@@ -1,3 +1,5 @@
+//! The order of hits.
+
 use std::cmp::Ordering;
 
 /// Margin for rounding errors of squared distances. Pairs whose lower bound exceeds the best squared distance by up to this factor are

@@ -1,3 +1,5 @@
+//! Counts of the work of a query.
+
 use std::ops::{Add, AddAssign, Sub};
 
 use crate::pose::Blended;

@@ -47,14 +47,14 @@ impl<'m, 'p> Moving<'m, 'p> {
     /// If `within`, boxes also allow for the rounding of placed vertices, because they are compared with boxes of the same body.
     pub(crate) fn new(mut ends: [Posed<'p>; 2], drift: DVec3, moving: &'m mut MovingBoxes, within: bool) -> Self {
         let [start, end] = ends.each_mut().map(|end| end.placed_body().clone());
-        let place = start.placed.world_from_model();
+        let world_from_model = start.placed.world_from_model();
         // Boxes of a body that is flat in the world are kept along the world's axes instead.
-        let is_own = place.is_well_conditioned();
+        let is_own = world_from_model.is_well_conditioned();
         let space = if is_own {
-            *place
+            *world_from_model
         } else {
             let [x, y, z] = DVec3::AXES;
-            WorldFromModel::from_columns([x, y, z, place.translation()])
+            WorldFromModel::from_columns([x, y, z, world_from_model.translation()])
         };
         let after = space.translation() + drift;
         let at = |translation: DVec3| {

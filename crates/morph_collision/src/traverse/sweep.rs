@@ -1,3 +1,5 @@
+//! Which of many boxes overlap: sweep and prune.
+
 use crate::bounds::Aabb;
 
 /// A broad phase: appends the index pairs `(i, j)`, `i < j`, of overlapping boxes, in ascending order. Entries that are `None` overlap
@@ -12,8 +14,8 @@ pub fn overlapping_pairs(bounds: &[Option<Aabb>], pairs: &mut Vec<(u32, u32)>) {
         .filter_map(|(i, bounds)| Some(((*bounds)?, i as u32)))
         .collect();
     order.sort_by(|(a, i), (b, j)| a.min.x.total_cmp(&b.min.x).then(i.cmp(j)));
-    for (place, (a, i)) in order.iter().enumerate() {
-        let reached = order[place + 1..].iter().take_while(|(b, _)| b.min.x <= a.max.x);
+    for (index, (a, i)) in order.iter().enumerate() {
+        let reached = order[index + 1..].iter().take_while(|(b, _)| b.min.x <= a.max.x);
         for (_, j) in reached.filter(|(b, _)| a.overlaps(b)) {
             pairs.push((*i.min(j), *i.max(j)));
         }

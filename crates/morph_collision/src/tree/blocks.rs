@@ -13,11 +13,11 @@ pub(super) type Lane<'c> = (usize, Option<&'c Cluster>);
 /// clusters that share joints come together. Returns whichever takes fewer instructions.
 pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     let most = children.iter().map(Vec::len).max().unwrap_or(0);
-    let of_each = |place| {
+    let of_each = |index| {
         children
             .iter()
             .enumerate()
-            .map(|(child, clusters)| (child, clusters.get(place)))
+            .map(|(child, clusters)| (child, clusters.get(index)))
             .collect()
     };
     let by_child: Vec<Vec<Lane<'_>>> = (0..most).map(of_each).collect();
@@ -61,10 +61,10 @@ fn grouped(mut all: Vec<(usize, &Cluster)>) -> Vec<Vec<Lane<'_>>> {
         while block.len() < LANES {
             next.extend(rest.by_ref().take(CANDIDATES - next.len()));
             let candidates = next.iter().enumerate();
-            let Some((place, _)) = candidates.min_by_key(|(_, (_, cluster))| needs.cost_of(cluster)) else {
+            let Some((index, _)) = candidates.min_by_key(|(_, (_, cluster))| needs.cost_of(cluster)) else {
                 break;
             };
-            let (child, cluster) = next.remove(place);
+            let (child, cluster) = next.remove(index);
             needs.add(cluster);
             block.push((child, Some(cluster)));
         }
@@ -143,7 +143,7 @@ pub(super) struct Steps {
 
 pub(super) fn steps(lanes: &[Lane<'_>]) -> Steps {
     let mut steps = Steps::default();
-    let mut places = BTreeMap::new();
+    let mut indices = BTreeMap::new();
     for (lane, (_, cluster)) in lanes.iter().enumerate() {
         let Some(cluster) = cluster else { continue };
         match steps.pivots.iter_mut().find(|(joint, _)| *joint == cluster.strongest()) {
@@ -151,11 +151,11 @@ pub(super) fn steps(lanes: &[Lane<'_>]) -> Steps {
             None => steps.pivots.push((cluster.strongest(), 1 << lane)),
         }
         for &Interval { joint, low, high } in cluster.others() {
-            let place = *places.entry(joint).or_insert(steps.rows.len());
-            if place == steps.rows.len() {
+            let index = *indices.entry(joint).or_insert(steps.rows.len());
+            if index == steps.rows.len() {
                 steps.rows.push((joint, [Lanes::default(); 2]));
             }
-            let [lows, highs] = &mut steps.rows[place].1;
+            let [lows, highs] = &mut steps.rows[index].1;
             (lows.0[lane], highs.0[lane]) = (low, high);
         }
     }

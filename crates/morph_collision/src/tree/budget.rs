@@ -48,15 +48,15 @@ impl Budget {
 }
 
 /// Runs a build up to its next pause.
-pub(super) fn go_on<T>(build: Pin<&mut (impl Future<Output = T> + ?Sized)>) -> Poll<T> {
+pub(super) fn resume<T>(build: Pin<&mut (impl Future<Output = T> + ?Sized)>) -> Poll<T> {
     build.poll(&mut Context::from_waker(Waker::noop()))
 }
 
 /// Runs a build to its end.
-pub(super) fn at_once<T>(build: impl Future<Output = T>) -> T {
+pub(super) fn run_to_end<T>(build: impl Future<Output = T>) -> T {
     let mut build = pin!(build);
     loop {
-        if let Poll::Ready(built) = go_on(build.as_mut()) {
+        if let Poll::Ready(built) = resume(build.as_mut()) {
             return built;
         }
     }

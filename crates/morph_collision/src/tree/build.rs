@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::vec;
 
-use super::budget::{Budget, at_once};
+use super::budget::{Budget, run_to_end};
 use super::clusters::{Cluster, Shares};
 use super::extents::NodeExtents;
 use super::sah::Partition;
@@ -61,7 +61,7 @@ impl MorphBvh {
     /// Memory while it is built: at most about three times what the tree and the model have afterwards, together with them.
     #[must_use]
     pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
-        at_once(build_within(model, options, &Budget::unlimited()))
+        run_to_end(build_within(model, options, &Budget::unlimited()))
     }
 }
 

@@ -1,3 +1,5 @@
+//! Builds a tree in steps.
+
 use std::fmt;
 use std::future::Future;
 use std::ops::ControlFlow;
@@ -5,7 +7,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::task::Poll;
 
-use super::budget::{Budget, go_on};
+use super::budget::{Budget, resume};
 use super::build::build_within;
 use super::{BuildOptions, MorphBvh};
 use crate::model::MorphModel;
@@ -54,7 +56,7 @@ impl MorphBvhBuilder {
     /// Does the next step. Returns the builder, or the tree after the last step.
     pub fn step(mut self) -> ControlFlow<MorphBvh, Self> {
         self.budget.begin(STEP);
-        match go_on(self.build.as_mut()) {
+        match resume(self.build.as_mut()) {
             Poll::Ready(bvh) => ControlFlow::Break(bvh),
             Poll::Pending => ControlFlow::Continue(self),
         }

@@ -86,10 +86,10 @@ fn a_tree_that_is_built_in_steps_is_the_same_tree() {
             let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
             let (bvh, steps, _) = in_steps(model, &options);
             assert!(steps > 1, "{model:?}");
-            let at_once = MorphBvh::build(model.clone(), &options);
-            assert_eq!(bvh.layout(), at_once.layout());
-            assert_eq!(bvh.bytes(), at_once.bytes());
-            assert_eq!(boxes(&bvh), boxes(&at_once));
+            let run_to_end = MorphBvh::build(model.clone(), &options);
+            assert_eq!(bvh.layout(), run_to_end.layout());
+            assert_eq!(bvh.bytes(), run_to_end.bytes());
+            assert_eq!(boxes(&bvh), boxes(&run_to_end));
         }
     }
 }

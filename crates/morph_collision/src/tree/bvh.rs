@@ -1,3 +1,5 @@
+//! The public type of a tree.
+
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 

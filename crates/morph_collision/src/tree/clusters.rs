@@ -74,8 +74,8 @@ impl Cluster {
         }
         let mut by_weight: Vec<(f32, u16)> = weights.iter().map(|w| (w.high, w.joint)).collect();
         by_weight.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let joint = |place: usize, least: f32| {
-            let found = by_weight.get(place).filter(|(weight, _)| *weight > least);
+        let joint = |index: usize, least: f32| {
+            let found = by_weight.get(index).filter(|(weight, _)| *weight > least);
             found.map_or(NONE, |(_, joint)| *joint)
         };
         Self {
@@ -126,7 +126,7 @@ impl Cluster {
         let weights = joints.into_iter().map(|joint| {
             let of = |part: &Self| {
                 let found = part.weights.binary_search_by_key(&joint, |w| w.joint);
-                found.map_or([0.0; 2], |place| [part.weights[place].low, part.weights[place].high])
+                found.map_or([0.0; 2], |index| [part.weights[index].low, part.weights[index].high])
             };
             let ends = parts.iter().map(of);
             let hull = |[low, high]: [f32; 2], [l, h]: [f32; 2]| [low.min(l), high.max(h)];

@@ -1,7 +1,9 @@
+//! The structure of a tree in a form that can be stored.
+
 use std::sync::Arc;
 use std::{fmt, mem};
 
-use super::budget::{Budget, at_once};
+use super::budget::{Budget, run_to_end};
 use super::build::{MAX_DEPTH, Recorded, build_over};
 use super::certificate_layout::CertificateLayout;
 use super::layout_error::{LayoutError, VERSION};
@@ -62,8 +64,8 @@ impl TreeLayout {
             Some(seen) => mem::replace(seen, true),
             None => true,
         };
-        if let Some((place, &triangle)) = self.triangles.iter().enumerate().find(is_bad) {
-            return Err(LayoutError::Triangle { place, triangle });
+        if let Some((entry, &triangle)) = self.triangles.iter().enumerate().find(is_bad) {
+            return Err(LayoutError::Triangle { entry, triangle });
         }
         self.check_nodes()
     }
@@ -71,16 +73,16 @@ impl TreeLayout {
     /// Walks the nodes and checks each against its number of triangles and its depth.
     fn check_nodes(&self) -> Result<(), LayoutError> {
         let mut rest = vec![(self.triangles.len(), 0)];
-        let mut place = 0;
+        let mut entry = 0;
         while let Some((count, depth)) = rest.pop() {
-            let broken = LayoutError::Nodes { place };
-            let children = match self.nodes.get(place) {
+            let broken = LayoutError::Nodes { entry };
+            let children = match self.nodes.get(entry) {
                 Some(0) if count <= self.options.leaf_size() => 0,
                 Some(&children) if (2..=LANES as u32).contains(&children) && depth < MAX_DEPTH => children as usize,
                 _ => return Err(broken),
             };
-            place += 1;
-            let Some(counts) = self.nodes.get(place..place + children) else {
+            entry += 1;
+            let Some(counts) = self.nodes.get(entry..entry + children) else {
                 return Err(broken);
             };
             let sum: usize = counts.iter().map(|&count| count as usize).sum();
@@ -88,10 +90,10 @@ impl TreeLayout {
                 return Err(broken);
             }
             rest.extend(counts.iter().rev().map(|&count| (count as usize, depth + 1)));
-            place += children;
+            entry += children;
         }
-        if place != self.nodes.len() {
-            return Err(LayoutError::Nodes { place });
+        if entry != self.nodes.len() {
+            return Err(LayoutError::Nodes { entry });
         }
         Ok(())
     }
@@ -148,7 +150,7 @@ impl MorphBvh {
         layout.check(&model)?;
         let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
         let budget = Budget::unlimited();
-        let bvh = at_once(build_over(model, &layout.options, triangles, splits, &budget));
+        let bvh = run_to_end(build_over(model, &layout.options, triangles, splits, &budget));
         if let Some(certificates) = &layout.certificates {
             let restored = certificates.restore(&bvh)?;
             // A new tree has none.

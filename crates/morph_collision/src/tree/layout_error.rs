@@ -32,18 +32,18 @@ pub enum LayoutError {
         expected: usize,
     },
     /// A triangle is out of range or listed twice.
-    #[error("tree layout: entry {place} of the triangles is {triangle}, which is out of range or there twice")]
+    #[error("tree layout: entry {entry} of the triangles is {triangle}, which is out of range or there twice")]
     Triangle {
         /// Index into the layout's triangles.
-        place: usize,
+        entry: usize,
         /// The triangle there.
         triangle: u32,
     },
     /// The nodes are not a tree over the triangles.
-    #[error("tree layout: the nodes are no tree over the triangles at entry {place}")]
+    #[error("tree layout: the nodes are no tree over the triangles at entry {entry}")]
     Nodes {
         /// Index into the layout's nodes.
-        place: usize,
+        entry: usize,
     },
     /// The certificates are corrupt.
     #[error("tree layout: certificates: {what}")]

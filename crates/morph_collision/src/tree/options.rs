@@ -1,3 +1,5 @@
+//! How a tree is built.
+
 use crate::input_error::{InputError, check_number};
 
 /// How to build a [`MorphBvh`](crate::MorphBvh). Options affect speed and memory, never an answer.

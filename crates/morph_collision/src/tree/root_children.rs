@@ -122,9 +122,9 @@ fn parts(model: &MorphModel, skin: &Skin, vertices: &[u32]) -> Vec<(MovedPart, N
     }
     order.retain(|(weight, _)| *weight > 0.0);
     order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let mut place = vec![0; skin.joint_count()];
+    let mut index = vec![0; skin.joint_count()];
     for (at, (_, joint)) in order.iter().enumerate() {
-        place[usize::from(*joint)] = at;
+        index[usize::from(*joint)] = at;
     }
     let mut shares = vec![0.0_f64; order.len()];
     let mut extents: Vec<Option<NodeExtents>> = vec![None; order.len()];
@@ -133,16 +133,16 @@ fn parts(model: &MorphModel, skin: &Skin, vertices: &[u32]) -> Vec<(MovedPart, N
         let mut weights: Vec<(usize, f64)> = skin
             .influences(vertex)
             .iter()
-            .map(|influence| (place[usize::from(influence.joint)], f64::from(influence.weight)))
+            .map(|influence| (index[usize::from(influence.joint)], f64::from(influence.weight)))
             .collect();
-        weights.sort_by_key(|(place, _)| *place);
+        weights.sort_by_key(|(index, _)| *index);
         let mut sum = 0.0;
         for of_joint in weights.chunk_by(|a, b| a.0 == b.0) {
             let weight: f64 = of_joint.iter().map(|(_, weight)| weight).sum();
             sum += weight;
-            let place = of_joint[0].0;
-            shares[place] = shares[place].max(weight / sum);
-            of_vertex.add_to(&mut extents[place]);
+            let index = of_joint[0].0;
+            shares[index] = shares[index].max(weight / sum);
+            of_vertex.add_to(&mut extents[index]);
         }
     }
     let rounding = sum_rounding(skin.most_influences());

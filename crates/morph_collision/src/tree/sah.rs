@@ -33,8 +33,8 @@ pub(super) struct Base {
 ///
 /// Targets of faces move a small part of a body each. So boxes that equal those of the base are not stored if they are many.
 struct Moved {
-    /// For each triangle, its place in `bounds`, or [`UNMOVED`]. Empty if `bounds` has a box for every triangle.
-    places: Vec<u32>,
+    /// For each triangle, its index in `bounds`, or [`UNMOVED`]. Empty if `bounds` has a box for every triangle.
+    slots: Vec<u32>,
     bounds: Vec<Aabb>,
 }
 
@@ -44,13 +44,13 @@ impl Moved {
     fn new(base: &[Aabb], mut bounds: Vec<Aabb>) -> Self {
         let is_moved = |(base, bounds): &(&Aabb, &Aabb)| base != bounds;
         let moved = base.iter().zip(&bounds).filter(is_moved).count();
-        // A box takes six times as much memory as a place.
+        // A box takes six times as much memory as a slot.
         if 6 * moved >= 5 * base.len() {
-            let places = Vec::new();
-            return Self { places, bounds };
+            let slots = Vec::new();
+            return Self { slots, bounds };
         }
         let mut kept = 0;
-        let place = |(triangle, base): (usize, &Aabb)| {
+        let slot = |(triangle, base): (usize, &Aabb)| {
             if bounds[triangle] == *base {
                 return UNMOVED;
             }
@@ -58,16 +58,16 @@ impl Moved {
             kept += 1;
             kept as u32 - 1
         };
-        let places = base.iter().enumerate().map(place).collect();
+        let slots = base.iter().enumerate().map(slot).collect();
         bounds.truncate(kept);
         bounds.shrink_to_fit();
-        Self { places, bounds }
+        Self { slots, bounds }
     }
 
     /// Calls `visit` with some triangles' boxes. Written out for both kinds, because this is where a build spends its time.
     #[inline(always)]
     fn each<T: Copy>(&self, base: &Base, items: &[T], triangle: impl Fn(T) -> u32, mut visit: impl FnMut(T, &Aabb)) {
-        if self.places.is_empty() {
+        if self.slots.is_empty() {
             items
                 .iter()
                 .for_each(|&item| visit(item, &self.bounds[triangle(item) as usize]));
@@ -77,16 +77,16 @@ impl Moved {
             let triangle = triangle(item) as usize;
             visit(
                 item,
-                match self.places[triangle] {
+                match self.slots[triangle] {
                     UNMOVED => &base.bounds[triangle],
-                    place => &self.bounds[place as usize],
+                    slot => &self.bounds[slot as usize],
                 },
             );
         }
     }
 
     fn moves(&self, triangle: usize) -> bool {
-        self.places.get(triangle).is_none_or(|&place| place != UNMOVED)
+        self.slots.get(triangle).is_none_or(|&slot| slot != UNMOVED)
     }
 }
 

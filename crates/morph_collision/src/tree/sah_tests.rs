@@ -7,7 +7,7 @@ use morph_collision_models::generated::{degenerate, dolphin, random};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::budget::{Budget, at_once};
+use super::budget::{Budget, run_to_end};
 use super::sah::{Base, Partition};
 use super::validate_tests::validate;
 use super::*;
@@ -31,7 +31,7 @@ fn judge(base: &Base, target: Option<&Base>, about: &str) {
     for leaf_size in [1, 3, 8, 255] {
         partition.leaf_size = leaf_size;
         let mut triangles: Vec<u32> = (0..count as u32).collect();
-        let lengths = at_once(partition.by_area(&mut triangles, &Budget::unlimited()));
+        let lengths = run_to_end(partition.by_area(&mut triangles, &Budget::unlimited()));
         let about = format!("{about}, {count} triangles, {leaf_size} to a leaf: {lengths:?}");
         assert!(!lengths.contains(&0) && lengths.len() <= 8, "{about}");
         assert_eq!(lengths.iter().sum::<usize>(), count, "{about}");

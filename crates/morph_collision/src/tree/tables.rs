@@ -79,15 +79,15 @@ pub(crate) struct GroupTables<'a> {
 impl GroupTables<'_> {
     /// The index of a target in the tables, if it moves the group.
     #[inline(always)]
-    pub(crate) fn place(&self, target: u32) -> Option<u16> {
-        let target_at = |place: u16| u32::from(self.targets[usize::from(place)].target);
+    pub(crate) fn index_of(&self, target: u32) -> Option<u16> {
+        let target_at = |index: u16| u32::from(self.targets[usize::from(index)].target);
         // If every target moves the group, the order is indexed by target.
         let found = match self.order.get(target as usize) {
-            Some(&place) if target_at(place) == target => return Some(place),
-            _ => self.order.partition_point(|&place| target_at(place) < target),
+            Some(&index) if target_at(index) == target => return Some(index),
+            _ => self.order.partition_point(|&index| target_at(index) < target),
         };
-        let place = *self.order.get(found)?;
-        (target_at(place) == target).then_some(place)
+        let index = *self.order.get(found)?;
+        (target_at(index) == target).then_some(index)
     }
 }
 
@@ -163,7 +163,7 @@ impl Tables {
             push_slopes(&mut self.slopes, &column.reference);
         }
         let mut order: Vec<u16> = (0..columns.len() as u16).collect();
-        order.sort_unstable_by_key(|&place| columns[usize::from(place)].local.target);
+        order.sort_unstable_by_key(|&index| columns[usize::from(index)].local.target);
         self.order.extend(order);
         for (lane, base) in bases.iter().enumerate() {
             header.base.set(lane, base);

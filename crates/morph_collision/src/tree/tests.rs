@@ -1,3 +1,5 @@
+//! Tests of what a tree tells of itself, and of layouts.
+
 use std::sync::Arc;
 
 use morph_collision_models::generated::{degenerate, dolphin, random};

@@ -191,13 +191,13 @@ impl Topology {
         &self.vertices[self.vertex_starts[leaf.0] as usize..self.vertex_starts[leaf.0 + 1] as usize]
     }
 
-    /// The model's number of the triangle at a place in leaf order.
+    /// The model's number of the triangle at a position in leaf order.
     #[inline(always)]
-    pub(crate) fn triangle(&self, place: usize) -> u32 {
-        self.triangles[place]
+    pub(crate) fn triangle(&self, position: usize) -> u32 {
+        self.triangles[position]
     }
 
-    /// The places of a leaf's triangles in leaf order.
+    /// The positions of a leaf's triangles in leaf order.
     #[inline]
     pub(crate) fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
         self.leaf_starts[leaf.0] as usize..self.leaf_starts[leaf.0 + 1] as usize
@@ -236,8 +236,8 @@ impl Topology {
         vertices.sort_unstable();
         vertices.dedup();
         // Fits in `u16`: at most 255 triangles have at most 765 vertices.
-        let place = |vertex: u32| vertices.partition_point(|&other| other < vertex) as u16;
-        self.corners.extend(corners.iter().map(|triangle| triangle.map(place)));
+        let index = |vertex: u32| vertices.partition_point(|&other| other < vertex) as u16;
+        self.corners.extend(corners.iter().map(|triangle| triangle.map(index)));
         self.vertices.extend_from_slice(&vertices);
         self.vertex_starts.push(self.vertices.len() as u32);
         self.leaf_starts.push(self.corners.len() as u32);

@@ -41,14 +41,14 @@ pub(crate) struct MapFrame {
 }
 
 impl MapFrame {
-    /// The model space of `place`, which must be invertible.
-    pub(crate) fn new(place: &WorldFromModel) -> Self {
+    /// The space of `world_from_model`, which must be invertible.
+    pub(crate) fn new(world_from_model: &WorldFromModel) -> Self {
         let pad = |v: DVec3| [v.x, v.y, v.z, 0.0];
-        let inverse = place.inverse_linear();
+        let inverse = world_from_model.inverse_linear();
         Self {
             inverse: [inverse.x_axis, inverse.y_axis, inverse.z_axis].map(pad),
-            translation: pad(place.translation()),
-            norm: place.inverse_norm(),
+            translation: pad(world_from_model.translation()),
+            norm: world_from_model.inverse_norm(),
         }
     }
 
@@ -100,7 +100,7 @@ impl JointMap {
     ///
     /// If the current map is still right up to its drift, keeps it and returns false.
     #[inline(always)]
-    pub(crate) fn follow<S: Simd>(&mut self, simd: S, frame: &MapFrame, joint: &Columns, reach: f64) -> bool {
+    pub(crate) fn update<S: Simd>(&mut self, simd: S, frame: &MapFrame, joint: &Columns, reach: f64) -> bool {
         let zero = f64x4::splat(simd, 0.0);
         let from = f64x4::from_slice(simd, &frame.translation);
         let offset = f64x4::from_slice(simd, &joint[3]);

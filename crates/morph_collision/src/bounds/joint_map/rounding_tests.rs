@@ -22,9 +22,9 @@ fn well_conditioned(frame: &[DVec3; 4]) -> Option<WorldFromModel> {
     (frame.iter().all(|column| column.is_finite()) && place.is_well_conditioned()).then_some(place)
 }
 
-fn follow(map: &mut JointMap, place: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> bool {
+fn update(map: &mut JointMap, place: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> bool {
     let (frame, joint) = (MapFrame::new(place), joint.map(|column| column.extend(0.0).to_array()));
-    with_simd!(Level::new(), simd => map.follow(simd, &frame, &joint, reach))
+    with_simd!(Level::new(), simd => map.update(simd, &frame, &joint, reach))
 }
 
 fn image_under(map: &JointMap, p: &ExactPoint) -> ExactPoint {
@@ -49,9 +49,9 @@ fn drift_used(numbers: &[f32], is_kept: bool) -> Option<f64> {
     let mut map = JointMap::default();
     if is_kept {
         let [frame, joint] = [2 * MATRIX, 3 * MATRIX].map(|at| columns(&matrices[at..]));
-        follow(&mut map, &well_conditioned(&frame)?, &joint, reach);
+        update(&mut map, &well_conditioned(&frame)?, &joint, reach);
     }
-    if follow(&mut map, &place, &joint, reach) == is_kept || !map.reach(reach as f32).is_finite() {
+    if update(&mut map, &place, &joint, reach) == is_kept || !map.reach(reach as f32).is_finite() {
         return None;
     }
     let (rows, determinant) = adjugate(&frame);
@@ -134,7 +134,7 @@ fn image_error(numbers: &[f32]) -> Option<f64> {
     }
     let reach = a.abs().max(b.abs()).max_element();
     let mut map = JointMap::default();
-    follow(&mut map, &place, &joint, f64::from(reach));
+    update(&mut map, &place, &joint, f64::from(reach));
     let farthest = map.reach(reach);
     if !(f32::MIN_POSITIVE * 1e9..1e36).contains(&farthest) {
         return None;

@@ -8,7 +8,7 @@ use crate::exact::closest::closest_on_triangle;
 use crate::exact::number::{UNIT_ROUNDOFF, power_of_two};
 
 /// A triangle as the center of the ball sees it: its corners at the start and at the end.
-type Seen = [MovingPoint; 3];
+type RelativeTriangle = [MovingPoint; 3];
 
 /// When a ball may first reach a triangle; `None` if it certainly does not, or only after `latest`.
 ///
@@ -25,14 +25,14 @@ pub(crate) fn ball_impact(
     looks: &mut u64,
 ) -> Option<TimeOfImpact> {
     *looks += 1;
-    let seen = seen_from(center, corners);
-    if closest_on_triangle(DVec3::ZERO, &seen.map(|corner| corner.start)).squared <= radius * radius {
+    let relative = relative_to(center, corners);
+    if closest_on_triangle(DVec3::ZERO, &relative.map(|corner| corner.start)).squared <= radius * radius {
         return Some(TimeOfImpact {
             earliest: 0.0,
             latest: 0.0,
         });
     }
-    let sizes = seen.map(|corner| corner.start.abs().max(corner.end.abs()).max_element());
+    let sizes = relative.map(|corner| corner.start.abs().max(corner.end.abs()).max_element());
     let size = sizes[0].max(sizes[1]).max(sizes[2]);
     let distance = radius + HEIGHT_ERROR * (size + radius) + f64::MIN_POSITIVE;
     let finest = level(tolerance).unwrap_or(DEEPEST);
@@ -48,7 +48,7 @@ pub(crate) fn ball_impact(
         if ends[0] > latest {
             return None;
         }
-        if is_farther(&seen, ends, distance) {
+        if is_farther(&relative, ends, distance) {
             continue;
         }
         if depth == finest || *looks > most {
@@ -68,7 +68,7 @@ pub(crate) fn ball_impact(
 const MOST_PARTS: u64 = 1 << 16;
 
 /// A triangle's corners relative to the center.
-pub(crate) fn seen_from(center: &MovingPoint, corners: &[MovingPoint; 3]) -> Seen {
+pub(crate) fn relative_to(center: &MovingPoint, corners: &[MovingPoint; 3]) -> RelativeTriangle {
     corners.map(|corner| MovingPoint {
         start: corner.start - center.start,
         end: corner.end - center.end,
@@ -82,10 +82,10 @@ const HEIGHT_ERROR: f64 = 64.0 * UNIT_ROUNDOFF;
 /// Whether a plane shows that the triangle is farther from the center than `distance`, during the whole interval. False for NaN.
 ///
 /// Any plane may show it. Heights of corners over a plane are linear in the time, so the smallest of all is that at an end of the interval.
-fn is_farther(seen: &Seen, [from, to]: [f64; 2], distance: f64) -> bool {
-    let middle = seen.map(|corner| corner.at(from.midpoint(to)));
+fn is_farther(relative: &RelativeTriangle, [from, to]: [f64; 2], distance: f64) -> bool {
+    let middle = relative.map(|corner| corner.at(from.midpoint(to)));
     let normal = closest_on_triangle(DVec3::ZERO, &middle).point.normalize();
-    let heights = |time: f64| seen.map(|corner| corner.at(time).dot(normal));
+    let heights = |time: f64| relative.map(|corner| corner.at(time).dot(normal));
     heights(from)
         .iter()
         .chain(&heights(to))

@@ -36,7 +36,7 @@ mod solve;
 mod stages;
 mod touch;
 
-pub(crate) use ball::{ball_impact, seen_from};
+pub(crate) use ball::{ball_impact, relative_to};
 pub(crate) use features::{FeaturePair, Kind};
 pub(crate) use geometry::impact_geometry;
 pub use moving::{MovingPoint, TimeOfImpact};

@@ -1,3 +1,5 @@
+//! Points that move on straight lines, and times of impact.
+
 use glam::DVec3;
 
 /// A point that moves from `start` at time 0 to `end` at time 1, on a straight line and at constant speed.

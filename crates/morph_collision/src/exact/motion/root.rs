@@ -14,11 +14,11 @@ pub(super) struct Root {
     /// The root is in the open interval of length `2^-level` that starts at `start / 2^level`, or it is its start.
     start: IBig,
     level: usize,
-    place: Place,
+    location: Location,
 }
 
 #[derive(Clone, Debug)]
-enum Place {
+enum Location {
     Start,
     /// The polynomial's Bernstein coefficients on the interval, which have one change of sign.
     Inside(Vec<IBig>),
@@ -31,7 +31,7 @@ impl Root {
             polynomial: Polynomial::new(Vec::new()),
             start: IBig::ZERO,
             level: 0,
-            place: Place::Start,
+            location: Location::Start,
         }
     }
 
@@ -39,13 +39,13 @@ impl Root {
     pub(super) fn sign_of(&mut self, other: &Polynomial) -> Ordering {
         // The level at which to search for a common root, which costs more than halving. Most signs are certain by then.
         const SHORT: usize = 10;
-        if matches!(self.place, Place::Start) {
+        if matches!(self.location, Location::Start) {
             return other.sign_at(&self.start, self.level);
         }
         let mut coefficients = other.bernstein(&self.start, self.level);
         let mut may_be_zero = true;
         loop {
-            if matches!(self.place, Place::Start) {
+            if matches!(self.location, Location::Start) {
                 return other.sign_at(&self.start, self.level);
             }
             if let Some(sign) = common_sign(&coefficients) {
@@ -71,7 +71,7 @@ impl Root {
 
     /// Halves the interval. `Less` if the root is in the left half.
     fn halve(&mut self) -> Ordering {
-        let Place::Inside(coefficients) = &self.place else {
+        let Location::Inside(coefficients) = &self.location else {
             return Equal;
         };
         let [left, right] = halves(coefficients);
@@ -79,12 +79,12 @@ impl Root {
         let is_left = variations(&left) == 1;
         let is_middle = right.first().is_none_or(IBig::is_zero);
         self.level += 1;
-        (self.start, self.place) = if is_middle {
-            (middle, Place::Start)
+        (self.start, self.location) = if is_middle {
+            (middle, Location::Start)
         } else if is_left {
-            (middle - IBig::ONE, Place::Inside(left))
+            (middle - IBig::ONE, Location::Inside(left))
         } else {
-            (middle, Place::Inside(right))
+            (middle, Location::Inside(right))
         };
         if is_left && !is_middle { Less } else { Greater }
     }
@@ -135,11 +135,11 @@ impl Root {
         let start = &self.start << (common - self.level);
         let end = (&self.start + IBig::ONE) << (common - self.level);
         let scaled = &numerator << (common - level);
-        match &self.place {
-            Place::Start => start.cmp(&scaled),
-            Place::Inside(_) if scaled <= start => Greater,
-            Place::Inside(_) if scaled >= end => Less,
-            Place::Inside(coefficients) => match self.polynomial.sign_at(&numerator, level) {
+        match &self.location {
+            Location::Start => start.cmp(&scaled),
+            Location::Inside(_) if scaled <= start => Greater,
+            Location::Inside(_) if scaled >= end => Less,
+            Location::Inside(coefficients) => match self.polynomial.sign_at(&numerator, level) {
                 Equal => Equal,
                 // The sign to the left of the root is that of the first coefficient that is not zero.
                 sign if Some(sign) == first_sign(coefficients) => Greater,
@@ -180,15 +180,15 @@ pub(super) fn roots(polynomial: &Polynomial) -> Vec<Root> {
         simple = polynomial.square_free();
         whole = simple.bernstein(&IBig::ZERO, 0);
     }
-    let root = |start: IBig, level, place| Root {
+    let root = |start: IBig, level, location| Root {
         polynomial: simple.clone(),
         start,
         level,
-        place,
+        location,
     };
     let mut found = Vec::new();
     if whole.first().is_some_and(IBig::is_zero) {
-        found.push(root(IBig::ZERO, 0, Place::Start));
+        found.push(root(IBig::ZERO, 0, Location::Start));
     }
     let ends_in_root = whole.last().is_some_and(IBig::is_zero);
     let mut open = vec![(IBig::ZERO, 0, whole)];
@@ -196,11 +196,11 @@ pub(super) fn roots(polynomial: &Polynomial) -> Vec<Root> {
         // A root at the start of an interval that is not the first.
         let is_half = level > 0 && start.clone() % IBig::from(2) == IBig::ONE;
         if is_half && coefficients.first().is_some_and(IBig::is_zero) {
-            found.push(root(start.clone(), level, Place::Start));
+            found.push(root(start.clone(), level, Location::Start));
         }
         match variations(&coefficients) {
             0 => {}
-            1 => found.push(root(start, level, Place::Inside(coefficients))),
+            1 => found.push(root(start, level, Location::Inside(coefficients))),
             _ => {
                 let [left, right] = halves(&coefficients);
                 let middle = start * IBig::from(2) + IBig::ONE;
@@ -210,7 +210,7 @@ pub(super) fn roots(polynomial: &Polynomial) -> Vec<Root> {
         }
     }
     if ends_in_root {
-        found.push(root(IBig::ONE, 0, Place::Start));
+        found.push(root(IBig::ONE, 0, Location::Start));
     }
     found
 }

@@ -1,3 +1,5 @@
+//! Counts of which stage decided.
+
 /// How many queries each stage decided. Add up as many queries as you like in one value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StageCounts {

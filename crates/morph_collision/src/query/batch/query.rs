@@ -1,3 +1,5 @@
+//! Runs a batch and gathers its answers.
+
 use std::ops::Range;
 use std::sync::Mutex;
 

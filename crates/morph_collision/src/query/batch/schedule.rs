@@ -43,14 +43,14 @@ impl Schedule {
                 return false;
             }
             let free = |&unit: &usize| self.bodies[unit].is_none_or(|[a, b]| !busy[a] && !busy[b]);
-            let Some(place) = left.iter().rposition(free) else {
+            let Some(index) = left.iter().rposition(free) else {
                 guard = self.freed.wait(guard).unwrap_or_else(PoisonError::into_inner);
                 continue;
             };
-            let mut first = place;
-            if let Some([a, b]) = self.bodies[left[place]] {
+            let mut first = index;
+            if let Some([a, b]) = self.bodies[left[index]] {
                 (busy[a], busy[b]) = (true, true);
-                while first > 0 && place - first + 1 < most {
+                while first > 0 && index - first + 1 < most {
                     match self.bodies[left[first - 1]] {
                         Some([same, other]) if same == a && !busy[other] => busy[other] = true,
                         _ => break,
@@ -58,7 +58,7 @@ impl Schedule {
                     first -= 1;
                 }
             }
-            units.extend(left.drain(first..=place).rev());
+            units.extend(left.drain(first..=index).rev());
             return true;
         }
     }

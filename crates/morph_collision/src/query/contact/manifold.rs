@@ -1,3 +1,5 @@
+//! The summary of the contacts of two bodies.
+
 use glam::DVec3;
 
 use crate::exact::{edges, largest};

@@ -1,3 +1,5 @@
+//! How far a triangle must move to leave another.
+
 use glam::{DVec2, DVec3};
 
 use crate::exact::{Triangle, edges, largest};

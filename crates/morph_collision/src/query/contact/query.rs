@@ -1,3 +1,5 @@
+//! The query for contacts.
+
 use std::cmp::Ordering;
 
 use glam::DVec3;
@@ -124,7 +126,11 @@ impl ContactQuery {
 /// A triangle's corners in world space; the winding of a mirrored body is flipped.
 pub(in crate::query) fn outward_triangle(posed: &mut Posed<'_>, triangle: u32) -> Triangle {
     let [p, q, r] = posed.world_triangle(triangle);
-    if posed.place.mirrors() { [p, r, q] } else { [p, q, r] }
+    if posed.world_from_model.mirrors() {
+        [p, r, q]
+    } else {
+        [p, q, r]
+    }
 }
 
 /// See [`Manifold::normal`].

@@ -1,3 +1,5 @@
+//! The query for distances of two bodies: the walk that its searches share.
+
 use std::ops::ControlFlow;
 
 use super::closest::Closest;

@@ -1,3 +1,5 @@
+//! The query for triangles of one body that are close to each other.
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 

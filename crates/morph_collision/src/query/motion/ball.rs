@@ -8,7 +8,7 @@ use super::triangle::MovingTriangle;
 use super::{MotionContact, MovingBody};
 use crate::bounds::WorldFromModel;
 use crate::exact::closest_on_triangle;
-use crate::exact::motion::{MovingPoint, TimeOfImpact, ball_impact, seen_from};
+use crate::exact::motion::{MovingPoint, TimeOfImpact, ball_impact, relative_to};
 use crate::input_error::{check_number, check_point};
 use crate::query::Body;
 use crate::{BuildOptions, InputError, MorphBvh, MorphModel, Pose};
@@ -65,10 +65,10 @@ impl MovingBall {
     ) -> Option<BallImpact> {
         let time = ball_impact(&self.center, self.radius, &triangle.points, tolerance, latest, tests)?;
         let middle = time.earliest.midpoint(time.latest);
-        let seen = seen_from(&self.center, &triangle.points);
-        let closest = closest_on_triangle(DVec3::ZERO, &seen.map(|corner| corner.at(middle)));
+        let relative = relative_to(&self.center, &triangle.points);
+        let closest = closest_on_triangle(DVec3::ZERO, &relative.map(|corner| corner.at(middle)));
         let weights = closest.barycentrics;
-        let [a, b, c] = seen.map(|corner| corner.start - corner.end);
+        let [a, b, c] = relative.map(|corner| corner.start - corner.end);
         Some(BallImpact {
             triangle: triangle.number,
             time,

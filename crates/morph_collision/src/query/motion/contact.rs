@@ -1,3 +1,5 @@
+//! A contact during a motion.
+
 use glam::DVec3;
 
 use super::moving_body::MovingBody;

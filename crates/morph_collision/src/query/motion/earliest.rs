@@ -1,3 +1,5 @@
+//! The earliest of the contacts found so far.
+
 use super::TimeOfImpact;
 use super::limit::{LimitReached, steps};
 use crate::query::QueryStats;

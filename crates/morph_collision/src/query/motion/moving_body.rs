@@ -1,8 +1,10 @@
+//! A body at the start and at the end of a motion.
+
 use std::sync::Arc;
 
-use crate::InputError;
-use crate::MorphBvh;
+use crate::input_error::InputError;
 use crate::query::Body;
+use crate::tree::MorphBvh;
 
 /// A body that moves: the same mesh at the start and at the end of a step.
 ///

@@ -1,3 +1,5 @@
+//! The query for contacts during a motion.
+
 use std::cell::Cell;
 use std::ops::ControlFlow;
 

@@ -1,3 +1,5 @@
+//! A triangle of a moving body, and the features for which it stands.
+
 use glam::DVec3;
 
 use crate::bounds::{Extent, MovingExtent, WorldFromModel, first_overlap, lanes_of};
@@ -40,7 +42,7 @@ impl<'a> MovingTriangle<'a> {
             points: corners.map(|corner| points[usize::from(corner)]),
             owned: owners.of(number),
             is_point: false,
-            world_from_model: start.place,
+            world_from_model: start.world_from_model,
         }
     }
 
@@ -54,7 +56,7 @@ impl<'a> MovingTriangle<'a> {
             points: vertices.map(|vertex| points[vertex as usize]),
             owned: Owned::ALL,
             is_point: false,
-            world_from_model: start.place,
+            world_from_model: start.world_from_model,
         }
     }
 

@@ -1,3 +1,5 @@
+//! What a query for one pair remembers from frame to frame.
+
 use std::sync::Arc;
 
 use crate::query::body::Body;

@@ -1,3 +1,5 @@
+//! The query for intersecting triangles of two bodies.
+
 use std::ops::ControlFlow;
 
 use super::memory::PairMemory;
@@ -99,11 +101,11 @@ impl PairQuery {
         let before = [a.blended(), b.blended()];
         let Self { patches, stats, .. } = self;
         *stats = QueryStats::default();
-        let size = a.place.scale() * f64::from(a.model.base_reach());
-        let neighbourhood = Neighbourhood::new(a.place.translation(), size);
+        let size = a.world_from_model.scale() * f64::from(a.model.base_reach());
+        let neighbourhood = Neighbourhood::new(a.world_from_model.translation(), size);
         let [patches_a, patches_b] = patches;
-        patches_a.begin(&neighbourhood, a.place);
-        patches_b.begin(&neighbourhood, b.place);
+        patches_a.begin(&neighbourhood, a.world_from_model);
+        patches_b.begin(&neighbourhood, b.world_from_model);
         let mut first = None;
         let (mut side_a, mut side_b) = (Side::new(a, patches_a), Side::new(b, patches_b));
         let _stopped_early = intersecting_pairs(&mut side_a, &mut side_b, &[leaves], stats, &mut |pair| {
@@ -180,8 +182,8 @@ impl PairQuery {
         } else {
             if !resumes {
                 let neighbourhood = pair.neighbourhood();
-                patches_a.begin(&neighbourhood, a.place);
-                patches_b.begin(&neighbourhood, b.place);
+                patches_a.begin(&neighbourhood, a.world_from_model);
+                patches_b.begin(&neighbourhood, b.world_from_model);
             }
             let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, leaves: &[(Leaf, Leaf)]| {
                 let mut a = Side::new(a, patches_a);

@@ -1,3 +1,5 @@
+//! Groups pairs of triangles by where they are.
+
 use std::collections::HashMap;
 
 use crate::model::MorphModel;
@@ -33,16 +35,16 @@ pub fn touching_regions(model: &MorphModel, pairs: &[TrianglePair]) -> Vec<Vec<T
             sets.unite(first, corner);
         }
     }
-    let (mut regions, mut places) = (Vec::new(), HashMap::new());
+    let (mut regions, mut indices) = (Vec::new(), HashMap::new());
     for pair in pairs {
         let Some([[first, ..], _]) = corners(pair) else {
             continue;
         };
-        let place = *places.entry(sets.root(first)).or_insert_with(|| {
+        let index = *indices.entry(sets.root(first)).or_insert_with(|| {
             regions.push(Vec::new());
             regions.len() - 1
         });
-        regions[place].push(*pair);
+        regions[index].push(*pair);
     }
     regions
 }

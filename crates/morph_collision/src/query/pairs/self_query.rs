@@ -1,3 +1,5 @@
+//! The query for intersecting triangles of one body.
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -75,9 +77,12 @@ impl SelfQuery {
         }
         let posed = &mut pose.posed();
         let before = posed.blended();
-        let (bounds, place) = (posed.bounds(), posed.place);
-        let size = place.scale() * f64::from(bounds.size().max_element());
-        leaves.begin(&Neighbourhood::new(place.transform_point(bounds.center()), size), place);
+        let (bounds, world_from_model) = (posed.bounds(), posed.world_from_model);
+        let size = world_from_model.scale() * f64::from(bounds.size().max_element());
+        leaves.begin(
+            &Neighbourhood::new(world_from_model.transform_point(bounds.center()), size),
+            world_from_model,
+        );
         let mut ordered = |TrianglePair { triangle_a, triangle_b }| {
             visitor(TrianglePair {
                 triangle_a: triangle_a.min(triangle_b),

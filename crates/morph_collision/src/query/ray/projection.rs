@@ -41,13 +41,13 @@ impl RayProjection {
         // Clamped so that neither the scale nor its products overflow or underflow.
         let unit = power_of_two_below(reach).clamp(power_of_two(-400), power_of_two(400));
         let scale = unit.recip();
-        let place = body.world_from_model();
+        let world_from_model = body.world_from_model();
         let along = |axis: usize, of: DVec3| scale * (of[axes[axis]] - shear[axis] * of[k]);
         let columns = [
-            place.linear().x_axis,
-            place.linear().y_axis,
-            place.linear().z_axis,
-            place.translation() - origin,
+            world_from_model.linear().x_axis,
+            world_from_model.linear().y_axis,
+            world_from_model.linear().z_axis,
+            world_from_model.translation() - origin,
         ];
         Self {
             axes,
@@ -100,7 +100,7 @@ impl RayProjection {
         [x as f32, y as f32, 0.0, 0.0]
     }
 
-    /// Projects corners in model space, in place: replaces their first two coordinates.
+    /// Projects corners in model space, in world_from_model: replaces their first two coordinates.
     #[inline(always)]
     fn project_lanes<S: Simd>(&self, simd: S, corners: &mut CornerLanes) {
         for rows in corners {

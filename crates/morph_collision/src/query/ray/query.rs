@@ -1,3 +1,5 @@
+//! The query for what a ray hits.
+
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
@@ -59,10 +61,10 @@ pub struct RayHit {
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
 /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-/// # let place = WorldFromModel::IDENTITY;
+/// # let world_from_model = WorldFromModel::IDENTITY;
 /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
 /// let down = Ray::new(DVec3::new(0.25, 0.25, 2.0), DVec3::NEG_Z, f64::INFINITY)?;
-/// let hit = RayQuery::new().closest(Body::new(&mut pose, &place), &down);
+/// let hit = RayQuery::new().closest(Body::new(&mut pose, &world_from_model), &down);
 /// let hit = hit.ok_or("nothing hit")?;
 /// assert_eq!((hit.triangle, hit.t, hit.facing), (0, 1.5, Facing::Front));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

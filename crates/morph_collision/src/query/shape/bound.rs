@@ -1,3 +1,5 @@
+//! Lower bounds of signed distances for nodes.
+
 use glam::DVec3;
 
 use super::placed::{PlacedShape, Solid};
@@ -39,10 +41,10 @@ impl<'a> NodeBound<'a> {
     }
 
     pub(super) fn lower_bound(&self, node: &Box64) -> f64 {
-        let place = self.body.world_from_model();
-        let m = place.linear();
+        let world_from_model = self.body.world_from_model();
+        let m = world_from_model.linear();
         let half = node.half;
-        let center = m * node.center + place.translation();
+        let center = m * node.center + world_from_model.translation();
         let radius_along = |w: DVec3| {
             (w.dot(m.x_axis) * half.x).abs() + (w.dot(m.y_axis) * half.y).abs() + (w.dot(m.z_axis) * half.z).abs()
         };

@@ -49,10 +49,10 @@ impl ShapeQuery {
     /// # use morph_collision::*;
     /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
     /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-    /// # let place = WorldFromModel::IDENTITY;
+    /// # let world_from_model = WorldFromModel::IDENTITY;
     /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
     /// let ball = PlacedShape::new(Shape::Ball { radius: 1.0 }, Quat::IDENTITY, Vec3::new(0.25, 0.25, 5.0))?;
-    /// let hit = ShapeQuery::new().cast(Body::new(&mut pose, &place), &ball, DVec3::NEG_Z, f64::INFINITY)?;
+    /// let hit = ShapeQuery::new().cast(Body::new(&mut pose, &world_from_model), &ball, DVec3::NEG_Z, f64::INFINITY)?;
     /// let hit = hit.ok_or("nothing hit")?;
     /// assert_eq!((hit.impact.distance, hit.impact.point, hit.impact.normal), (3.5, DVec3::new(0.25, 0.25, 0.5), DVec3::Z));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -195,9 +195,9 @@ impl Sweep {
     ///
     /// The slack also covers the rounding of speeds, for the distances at which the shape meets boxes.
     fn earliest(&self, node: &Box64) -> Option<f64> {
-        let place = self.body.world_from_model();
-        let m = place.linear();
-        let center = m * node.center + place.translation();
+        let world_from_model = self.body.world_from_model();
+        let m = world_from_model.linear();
+        let center = m * node.center + world_from_model.translation();
         let axes = [m.x_axis * node.half.x, m.y_axis * node.half.y, m.z_axis * node.half.z];
         let (mut first, mut last) = (0.0_f64, f64::INFINITY);
         for (w, [shape_low, shape_high], speed) in &self.slabs {

@@ -1,3 +1,5 @@
+//! Boxes in world space, exactly.
+
 use std::cmp::Ordering::Equal;
 
 use glam::{DMat3, DVec3};

@@ -1,3 +1,5 @@
+//! Shapes in world space.
+
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::closest::Closest;

@@ -41,9 +41,9 @@ impl ShapeQuery {
     /// # use morph_collision::*;
     /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
     /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-    /// # let place = WorldFromModel::IDENTITY;
+    /// # let world_from_model = WorldFromModel::IDENTITY;
     /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
-    /// let body = Body::new(&mut pose, &place);
+    /// let body = Body::new(&mut pose, &world_from_model);
     /// let closest = ShapeQuery::new().closest_point(body, DVec3::new(-2.0, 0.0, 0.5), f64::INFINITY)?;
     /// let closest = closest.ok_or("nothing there")?;
     /// assert_eq!((closest.distance, closest.point), (2.0, DVec3::new(0.0, 0.0, 0.5)));

@@ -1,3 +1,5 @@
+//! The query for what touches a shape.
+
 use std::ops::ControlFlow;
 
 use glam::DVec3;
@@ -48,11 +50,11 @@ pub struct ShapeContact {
 /// let ball = PlacedShape::new(Shape::Ball { radius: 1.5 }, Quat::IDENTITY, Vec3::new(0.25, 0.25, 2.0))?;
 ///
 /// let mut query = ShapeQuery::new();
-/// let place = WorldFromModel::IDENTITY;
-/// let contact = query.closest(Body::new(&mut pose, &place), &ball, 10.0)?;
+/// let world_from_model = WorldFromModel::IDENTITY;
+/// let contact = query.closest(Body::new(&mut pose, &world_from_model), &ball, 10.0)?;
 /// assert_eq!(contact.map(|contact| contact.distance), Some(0.5));
 /// pose.set_weights(&[1.0])?; // lifts the triangle into the ball
-/// assert!(query.any(Body::new(&mut pose, &place), &ball));
+/// assert!(query.any(Body::new(&mut pose, &world_from_model), &ball));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Default)]

@@ -21,12 +21,12 @@ impl ShapeQuery {
     /// # use morph_collision::*;
     /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
     /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-    /// # let place = WorldFromModel::IDENTITY;
+    /// # let world_from_model = WorldFromModel::IDENTITY;
     /// let upper = ConvexRegion::from_half_spaces(&[(DVec3::Z, -0.5)])?; // z >= 0.5
     /// let mut query = ShapeQuery::new();
-    /// assert!(!query.any_in_region(Body::new(&mut pose, &place), &upper));
+    /// assert!(!query.any_in_region(Body::new(&mut pose, &world_from_model), &upper));
     /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
-    /// assert!(query.any_in_region(Body::new(&mut pose, &place), &upper));
+    /// assert!(query.any_in_region(Body::new(&mut pose, &world_from_model), &upper));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn any_in_region(&mut self, body: Body<'_>, region: &ConvexRegion) -> bool {

@@ -43,9 +43,9 @@ impl PlacedPair<'_> {
 
     /// A neighbourhood that is close to both bodies if they touch.
     pub(in crate::query) fn neighbourhood(&self) -> Neighbourhood {
-        let place = self.a.placed.world_from_model();
-        let size = place.scale() * f64::from(self.a.bounds.size().max_element());
-        Neighbourhood::new(place.translation(), size)
+        let world_from_model = self.a.placed.world_from_model();
+        let size = world_from_model.scale() * f64::from(self.a.bounds.size().max_element());
+        Neighbourhood::new(world_from_model.translation(), size)
     }
 
     /// Roughly the factor that converts lengths in B's units to A's.

@@ -135,7 +135,7 @@ fn pairs_overlap_in_the_frames_of_both_bodies() {
     let turned = WorldFromModel::new(turned).unwrap();
     let (mut a, mut b) = (blob(Vec3::ZERO, 1.0), blob(Vec3::ZERO, 0.5));
     let mut walk = Walk::unculled(&mut a, &mut b);
-    walk.b.place = &turned;
+    walk.b.world_from_model = &turned;
     let (a, b) = (walk.a.placed_body().placed, walk.b.placed_body().placed);
     let mut frames = Vec::new();
     visit_frames(&a, &b, |maps| {

@@ -17,12 +17,12 @@ use crate::query::two_bodies::Neighbourhood;
 use crate::tree::{in_lanes, put};
 
 /// One to eight triangles in model space, and their transform.
-struct Placed {
+struct PlacedTriangles {
     posed: Vec<[Vec3; 3]>,
-    place: WorldFromModel,
+    world_from_model: WorldFromModel,
 }
 
-impl Placed {
+impl PlacedTriangles {
     fn patch(&self, level: Level, neighbourhood: &Neighbourhood) -> Patch {
         let mut patch = Patch::default();
         for (lane, corners) in in_lanes(&self.posed) {
@@ -31,7 +31,7 @@ impl Placed {
             }
         }
         with_simd!(level, simd => {
-            neighbourhood.placement(&self.place).place(simd, &mut patch.corners);
+            neighbourhood.placement(&self.world_from_model).place(simd, &mut patch.corners);
             patch.measure(simd, self.posed.len());
         });
         patch
@@ -39,7 +39,7 @@ impl Placed {
 
     /// The corners in world space as `docs/numerics.md` defines them, three per triangle.
     fn world(&self) -> Vec<DVec3> {
-        let (m, t) = (self.place.linear(), self.place.translation());
+        let (m, t) = (self.world_from_model.linear(), self.world_from_model.translation());
         let placed = |p: DVec3| {
             DVec3::from_array(std::array::from_fn(|row| {
                 ((m.x_axis[row] * p.x + m.y_axis[row] * p.y) + m.z_axis[row] * p.z) + t[row]
@@ -68,7 +68,7 @@ struct Tally {
 
 impl Tally {
     /// Compares every pair of triangles. All kernels must agree, and must say nothing wrong.
-    fn judge(&mut self, a: &Placed, b: &Placed, neighbourhood: &Neighbourhood, about: &str) {
+    fn judge(&mut self, a: &PlacedTriangles, b: &PlacedTriangles, neighbourhood: &Neighbourhood, about: &str) {
         let mut first = None;
         for &level in levels() {
             let (patch_a, patch_b) = (a.patch(level, neighbourhood), b.patch(level, neighbourhood));
@@ -112,8 +112,8 @@ impl Tally {
     }
 }
 
-/// The corners of each triangle as indices into [`Placed::world`].
-fn numbered(placed: &Placed) -> Vec<[u32; 3]> {
+/// The corners of each triangle as indices into [`PlacedTriangles::world`].
+fn numbered(placed: &PlacedTriangles) -> Vec<[u32; 3]> {
     (0..placed.posed.len() as u32)
         .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
         .collect()
@@ -172,21 +172,21 @@ fn neighbourhood(rng: &mut Pcg64Mcg, near: DVec3, size: f64) -> Neighbourhood {
 }
 
 /// The same triangles, rotated and scaled in model space without rounding; the transform undoes it.
-fn turned(rng: &mut Pcg64Mcg, posed: &[[Vec3; 3]], linear: Mat3A, translation: DVec3) -> Placed {
+fn turned(rng: &mut Pcg64Mcg, posed: &[[Vec3; 3]], linear: Mat3A, translation: DVec3) -> PlacedTriangles {
     let scale = power(rng, 6);
     let first = rng.random_range(0..3_usize);
     let signs: [f32; 3] = std::array::from_fn(|_| if rng.random_bool(0.5) { 1.0 } else { -1.0 });
     let axes = [first, (first + 1) % 3, (first + 2) % 3];
     let turn = |p: Vec3| Vec3::from_array(std::array::from_fn(|i| p[axes[i]] * signs[i] * scale));
     let column = |i: usize| linear.col(axes[i]) * (signs[i] / scale);
-    Placed {
+    PlacedTriangles {
         posed: posed.iter().map(|triangle| triangle.map(turn)).collect(),
-        place: world_from(Mat3A::from_cols(column(0), column(1), column(2)), translation),
+        world_from_model: world_from(Mat3A::from_cols(column(0), column(1), column(2)), translation),
     }
 }
 
 /// Up to eight pairs of a family, as two nearby patches of a given size. Some are far from their model's origin.
-fn situation(rng: &mut Pcg64Mcg, family: Family, size: f32) -> ([Placed; 2], Neighbourhood) {
+fn situation(rng: &mut Pcg64Mcg, family: Family, size: f32) -> ([PlacedTriangles; 2], Neighbourhood) {
     let linear = linear(rng);
     let shift = if rng.random_bool(0.3) {
         (vector(rng) * 1e6).round()
@@ -219,11 +219,11 @@ fn situation(rng: &mut Pcg64Mcg, family: Family, size: f32) -> ([Placed; 2], Nei
     // Patches of different lengths.
     others.truncate(rng.random_range(1..=LANES));
     let b = turned(rng, &others, linear, translation);
-    let a = Placed {
+    let a = PlacedTriangles {
         posed,
-        place: world_from(linear, translation),
+        world_from_model: world_from(linear, translation),
     };
-    let near = a.place.transform_point(a.posed[0][0]);
+    let near = a.world_from_model.transform_point(a.posed[0][0]);
     let near = if rng.random_bool(0.5) { near } else { translation };
     let neighbourhood = neighbourhood(rng, near, world_size);
     ([a, b], neighbourhood)
@@ -269,9 +269,9 @@ fn triangles_of_all_sizes_in_one_patch_are_turned_away_only_where_they_are_apart
                 })
                 .collect()
         };
-        let [a, b] = [posed(), posed()].map(|posed| Placed {
+        let [a, b] = [posed(), posed()].map(|posed| PlacedTriangles {
             posed,
-            place: WorldFromModel::IDENTITY,
+            world_from_model: WorldFromModel::IDENTITY,
         });
         let size = f64::from(power(&mut rng, 20));
         let neighbourhood = neighbourhood(&mut rng, DVec3::ZERO, size);
@@ -289,14 +289,17 @@ fn places_at_the_ends_of_f32_turn_nothing_away_that_intersects() {
         let family = Family::ALL[case % Family::ALL.len()];
         let scale = if case % 2 == 0 { f32::MAX } else { f32::MIN_POSITIVE };
         let size = [1e-45_f32, 1e-38, 1.0, 1e23][rng.random_range(0..4_usize)];
-        let place = world_from(Mat3A::from_diagonal(Vec3::splat(scale)), DVec3::ZERO);
+        let world_from_model = world_from(Mat3A::from_diagonal(Vec3::splat(scale)), DVec3::ZERO);
         let mut posed = [Vec::new(), Vec::new()];
         for _ in 0..4 {
             for (posed, triangle) in posed.iter_mut().zip(family.pair(&mut rng)) {
                 posed.push(triangle.map(|p| p.as_vec3() * size));
             }
         }
-        let [a, b] = posed.map(|posed| Placed { posed, place });
+        let [a, b] = posed.map(|posed| PlacedTriangles {
+            posed,
+            world_from_model,
+        });
         for neighbourhood_size in [0.0, 5e-324, 1e-300, 1e-38, 1.0, 1e38, 1e300, f64::MAX, f64::INFINITY] {
             let origin = vector(&mut rng).as_dvec3() * f64::from(f32::MAX);
             for origin in [DVec3::ZERO, origin] {
@@ -313,9 +316,9 @@ fn beyond_the_range_of_f32_products_only_boxes_turn_away() {
     // Boxes overlap, but the planes are far apart for their size.
     let low = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
     let high = low.map(|p| p + Vec3::new(0.0, -0.25, 0.25));
-    let [a, b] = [low, high].map(|triangle| Placed {
+    let [a, b] = [low, high].map(|triangle| PlacedTriangles {
         posed: vec![triangle],
-        place: WorldFromModel::IDENTITY,
+        world_from_model: WorldFromModel::IDENTITY,
     });
     let mut turned_away = |size: f64| {
         let mut tally = Tally::default();
@@ -335,9 +338,9 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
         for of_a in 1..=LANES {
             for of_b in 1..=LANES {
                 let [a, b] = [of_a, of_b].map(|count| {
-                    let placed = Placed {
+                    let placed = PlacedTriangles {
                         posed: through[..count].to_vec(),
-                        place: WorldFromModel::IDENTITY,
+                        world_from_model: WorldFromModel::IDENTITY,
                     };
                     placed.patch(*level, &Neighbourhood::default())
                 });
@@ -363,11 +366,22 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
 fn judge_all(a: &[[Vec3; 3]], b: &[[Vec3; 3]]) -> Tally {
     let mut tally = Tally::default();
     let neighbourhood = Neighbourhood::new(DVec3::ZERO, 2.0);
-    let place = WorldFromModel::IDENTITY;
+    let world_from_model = WorldFromModel::IDENTITY;
     for a in a.chunks(LANES).map(<[_]>::to_vec) {
-        let a = Placed { posed: a, place };
+        let a = PlacedTriangles {
+            posed: a,
+            world_from_model,
+        };
         for b in b.chunks(LANES).map(<[_]>::to_vec) {
-            tally.judge(&a, &Placed { posed: b, place }, &neighbourhood, "");
+            tally.judge(
+                &a,
+                &PlacedTriangles {
+                    posed: b,
+                    world_from_model,
+                },
+                &neighbourhood,
+                "",
+            );
         }
     }
     tally

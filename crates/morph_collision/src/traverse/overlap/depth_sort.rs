@@ -1,6 +1,6 @@
 //! The order in which the walk over two trees visits node pairs when it looks for one intersection.
 
-use super::mapped_boxes::NodePair;
+use super::node::NodePair;
 use crate::bounds::{LANES, lanes_of};
 
 /// Sorts node pairs by their depth, so that the deepest is popped first. Reuses its memory.

@@ -6,7 +6,7 @@
 
 use fearless_simd::Simd;
 
-use super::mapped_boxes::{MappedGroup, OwnBox};
+use super::mapped_group::{MappedGroup, OwnBox};
 use super::trees::Trees;
 use crate::bounds::BoxLanes;
 use crate::pose::BoxTree;

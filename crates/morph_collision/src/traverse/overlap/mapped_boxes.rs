@@ -2,169 +2,13 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::{Aabb, BoxLanes, Frame, LANES, Lanes, MovingLanes, with_simd};
+use super::joint_mappings::JointMappings;
+use super::mapped_group::{FRAMES, MappedGroup};
+use super::node::{BoxAt, Node};
+use crate::bounds::{Aabb, Frame, LANES, MovingLanes, with_simd};
 use crate::pose::{BoxTree, EpochCache, PlacedBody};
 use crate::traverse::mapping::Mapping;
-use crate::tree::{BODY_FRAME, Child, NodeId};
-
-/// Node pairs are compared in this many frames.
-const FRAMES: usize = 2;
-
-/// How a skinned body's boxes, which are in the spaces of its joints, are mapped to the frames.
-#[derive(Debug, Default)]
-struct JointMappings {
-    is_skinned: bool,
-    /// The map from the body's space to each frame; `None` if they are the same space.
-    frames: [Option<Frame>; FRAMES],
-    /// Indexed by joint space.
-    mappings: EpochCache<[Mapping; FRAMES]>,
-}
-
-impl JointMappings {
-    fn begin(&mut self, is_skinned: bool) {
-        self.is_skinned = is_skinned;
-        if is_skinned {
-            self.mappings.next_epoch();
-        }
-    }
-
-    #[inline]
-    fn push_frame(&mut self, index: usize, frame: Option<&Frame>) {
-        if self.is_skinned {
-            self.frames[index] = frame.copied();
-        }
-    }
-
-    fn mappings(&mut self, tree: &mut impl BoxTree, frame: usize) -> &[Mapping; FRAMES] {
-        let slot = self.mappings.find(frame).unwrap_or_else(|| {
-            let to_body = tree.body_from_joint_frame(frame);
-            let slot = self.mappings.claim(frame);
-            for (mapping, frame) in self.mappings.get_mut(slot).iter_mut().zip(&self.frames) {
-                match &to_body {
-                    Some(to_body) => mapping.set(Some(&frame.as_ref().map_or(*to_body, |frame| frame.after(to_body)))),
-                    None => mapping.set_unbounded(),
-                }
-            }
-            slot
-        });
-        self.mappings.get(slot)
-    }
-}
-
-/// The children of a node in every frame.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MappedGroup {
-    frames: [BoxLanes; FRAMES],
-    /// The space in which the boxes were blended: that of a joint, or the body's.
-    pub(super) space: usize,
-    /// The boxes in that space. Not filled if neither body is skinned; then it only takes memory.
-    pub(super) in_space: BoxLanes,
-    /// The sums of the boxes' sides, in the first body's units.
-    sizes: Lanes,
-    children: [Child; LANES],
-    group: u32,
-    pub(super) mask: u8,
-    pub(super) len: u8,
-}
-
-impl MappedGroup {
-    #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S, boxes: &BoxLanes, mappings: &[Mapping], scale: f32) {
-        for (frame, mapping) in self.frames.iter_mut().zip(mappings) {
-            mapping.all(simd, boxes, frame);
-        }
-        for frame in &mut self.frames[mappings.len()..] {
-            (0..LANES).for_each(|lane| frame.set(lane, &Aabb::UNBOUNDED));
-        }
-        boxes.girths(simd, scale, &mut self.sizes);
-    }
-
-    /// The children that overlap a child of another body in every frame, as a bit mask.
-    #[inline(always)]
-    pub(super) fn overlaps<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> u8 {
-        let mut mask = self.mask;
-        for (own, other) in self.frames.iter().zip(&other.frames) {
-            mask &= own.overlap_mask(simd, &other.get(lane));
-            if mask == 0 {
-                break;
-            }
-        }
-        mask
-    }
-
-    /// A child's box in its own space.
-    #[inline(always)]
-    pub(super) fn own_box(&self, lane: usize) -> OwnBox {
-        OwnBox {
-            space: self.space,
-            bounds: self.in_space.get(lane),
-        }
-    }
-
-    /// Roughly how deep each child overlaps a child of another body.
-    #[inline(always)]
-    pub(super) fn depths<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> [f32; LANES] {
-        let mut depths = [0.0; LANES];
-        self.frames[0].depths(simd, &other.frames[0].get(lane), &mut depths);
-        depths
-    }
-}
-
-/// Where the box of a node is: a slot of a body's [`MappedBoxes`], and a lane.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BoxAt {
-    pub(super) slot: usize,
-    pub(super) lane: usize,
-}
-
-/// A node of one body: its child entry, and the location of its box in the body's [`MappedBoxes`].
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
-    pub(super) child: Child,
-    /// `LANES` times the slot of its siblings, plus its lane.
-    at: u32,
-}
-
-impl Node {
-    #[inline(always)]
-    pub(super) fn slot(self) -> usize {
-        self.at as usize / LANES
-    }
-
-    #[inline(always)]
-    pub(super) fn lane(self) -> usize {
-        self.at as usize % LANES
-    }
-
-    #[inline(always)]
-    pub(super) fn box_at(self) -> BoxAt {
-        BoxAt {
-            slot: self.slot(),
-            lane: self.lane(),
-        }
-    }
-}
-
-/// A box in the space in which it was blended.
-#[derive(Clone, Copy)]
-pub(super) struct OwnBox {
-    pub(super) space: usize,
-    pub(super) bounds: Aabb,
-}
-
-/// A pair of nodes, one of each body.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct NodePair {
-    pub(super) a: Node,
-    pub(super) b: Node,
-}
-
-impl NodePair {
-    #[inline(always)]
-    pub(super) fn are_leaves(self) -> bool {
-        self.a.child.is_leaf() && self.b.child.is_leaf()
-    }
-}
+use crate::tree::{BODY_FRAME, NodeId};
 
 /// The boxes of one body that a query has looked at, in every frame. The next query reuses the memory.
 #[derive(Debug, Default)]
@@ -274,10 +118,7 @@ impl MappedBoxes {
 
     #[inline(always)]
     pub(super) fn child(&self, slot: usize, lane: usize) -> Node {
-        Node {
-            child: self.groups.get(slot).children[lane % LANES],
-            at: (slot * LANES + lane) as u32,
-        }
+        Node::new(self.groups.get(slot).children[lane % LANES], slot, lane)
     }
 
     /// Prepares a walk over boxes that move: adds those of the root, which [`MappedBoxes::begin`] has only as a hull.

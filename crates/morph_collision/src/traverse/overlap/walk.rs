@@ -8,7 +8,8 @@ use fearless_simd::Simd;
 
 use super::depth_sort::DepthSort;
 use super::joint_spaces::JointSpaces;
-use super::mapped_boxes::{BoxAt, MappedBoxes, Node, NodePair};
+use super::mapped_boxes::MappedBoxes;
+use super::node::{BoxAt, Node, NodePair};
 use super::trees::Trees;
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
 use crate::pose::{BoxTree, PlacedBody};

@@ -1,0 +1,76 @@
+//! The boxes of a node's children in every frame of a query.
+
+use fearless_simd::Simd;
+
+use crate::bounds::{Aabb, BoxLanes, LANES, Lanes};
+use crate::traverse::mapping::Mapping;
+use crate::tree::Child;
+
+/// Node pairs are compared in this many frames.
+pub(super) const FRAMES: usize = 2;
+
+/// The children of a node in every frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MappedGroup {
+    pub(super) frames: [BoxLanes; FRAMES],
+    /// The space in which the boxes were blended: that of a joint, or the body's.
+    pub(super) space: usize,
+    /// The boxes in that space. Not filled if neither body is skinned; then it only takes memory.
+    pub(super) in_space: BoxLanes,
+    /// The sums of the boxes' sides, in the first body's units.
+    pub(super) sizes: Lanes,
+    pub(super) children: [Child; LANES],
+    pub(super) group: u32,
+    pub(super) mask: u8,
+    pub(super) len: u8,
+}
+
+impl MappedGroup {
+    #[inline(always)]
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, boxes: &BoxLanes, mappings: &[Mapping], scale: f32) {
+        for (frame, mapping) in self.frames.iter_mut().zip(mappings) {
+            mapping.all(simd, boxes, frame);
+        }
+        for frame in &mut self.frames[mappings.len()..] {
+            (0..LANES).for_each(|lane| frame.set(lane, &Aabb::UNBOUNDED));
+        }
+        boxes.girths(simd, scale, &mut self.sizes);
+    }
+
+    /// The children that overlap a child of another body in every frame, as a bit mask.
+    #[inline(always)]
+    pub(super) fn overlaps<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> u8 {
+        let mut mask = self.mask;
+        for (own, other) in self.frames.iter().zip(&other.frames) {
+            mask &= own.overlap_mask(simd, &other.get(lane));
+            if mask == 0 {
+                break;
+            }
+        }
+        mask
+    }
+
+    /// A child's box in its own space.
+    #[inline(always)]
+    pub(super) fn own_box(&self, lane: usize) -> OwnBox {
+        OwnBox {
+            space: self.space,
+            bounds: self.in_space.get(lane),
+        }
+    }
+
+    /// Roughly how deep each child overlaps a child of another body.
+    #[inline(always)]
+    pub(super) fn depths<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> [f32; LANES] {
+        let mut depths = [0.0; LANES];
+        self.frames[0].depths(simd, &other.frames[0].get(lane), &mut depths);
+        depths
+    }
+}
+
+/// A box in the space in which it was blended.
+#[derive(Clone, Copy)]
+pub(super) struct OwnBox {
+    pub(super) space: usize,
+    pub(super) bounds: Aabb,
+}

@@ -50,17 +50,17 @@ features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
-    for feature in "" gltf picking gizmos diagnostics rapier avian; do
+    for feature in "" gltf picking gizmos diagnostics; do
         cargo check -p bevy_morph_collision --no-default-features --features "$feature"
     done
 
 # Packages the published crates and builds each one from its package (the last one compiles Bevy).
 package:
-    cargo package -p morph_collision -p morph_collision_models -p morph_collision_cli -p bevy_morph_collision
+    cargo package -p morph_collision -p morph_collision_models -p morph_collision_cli -p bevy_morph_collision -p bevy_morph_physics -p bevy_morph_rapier -p bevy_morph_avian
 
 # Packages them without building: checks manifests and the lists of files.
 package-list:
-    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_models -p morph_collision_cli -p bevy_morph_collision
+    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_models -p morph_collision_cli -p bevy_morph_collision -p bevy_morph_physics -p bevy_morph_rapier -p bevy_morph_avian
 
 # Lists the public items of a published crate (cargo install cargo-public-api --locked; rustup toolchain install nightly --profile minimal).
 public-api CRATE="morph_collision":
@@ -72,7 +72,7 @@ semver-checks BASELINE="":
     set -euo pipefail
     baseline=({{ if BASELINE == "" { "" } else { "--baseline-rev " + BASELINE } }})
     # The models and the tool promise no stable API.
-    cargo semver-checks --all-features -p morph_collision -p bevy_morph_collision "${baseline[@]}"
+    cargo semver-checks --all-features -p morph_collision -p bevy_morph_collision -p bevy_morph_physics -p bevy_morph_rapier -p bevy_morph_avian "${baseline[@]}"
 
 # Checks licences and sources of dependencies by deny.toml. Advisories need access to GitHub, so only `deny` checks them.
 licences:
@@ -134,9 +134,13 @@ first-run PICTURE="dolphins.png":
 demo *ARGS:
     cargo run --release --features render --example dolphins -- {{ARGS}}
 
-# Runs a program of the plugin's cookbook in a window: just cookbook face_zones.
+# Runs a program of the cookbook in a window: just cookbook face_zones.
 cookbook NAME:
-    BEVY_ASSET_ROOT="{{justfile_directory()}}" cargo run -p bevy_morph_collision --all-features --example {{NAME}}
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cd "{{justfile_directory()}}"
+    package=$(basename "$(dirname "$(dirname crates/bevy_morph_*/examples/{{NAME}}.rs)")")
+    BEVY_ASSET_ROOT=$PWD cargo run -p "$package" --all-features --example {{NAME}}
 
 # Checks that the examples find collisions. They are built with the same features as for the tests.
 demo-check:

@@ -1,7 +1,7 @@
 //! A skinned and morphed character walks, talks, crouches and waves. Rays stick to its skin, it kicks crates, and its hand turns
 //! red where it touches the face.
 //!
-//! - One `MorphRapierCollider` on the mesh lets its feet kick crates, and lets rays hit its skin.
+//! - One `MorphPhysicsCollider` on the mesh lets its feet kick crates, and lets rays hit its skin.
 //! - A hit names the joint and the velocity of the skin there, and an anchor keeps the dart on its triangle.
 //!
 //! With the feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
@@ -13,6 +13,7 @@ use std::time::Instant;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use clap::Parser;
 use morph_collision_workspace::app::{self, STEP, update_until};
@@ -53,7 +54,7 @@ fn game(app: &mut App) {
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default(),
         MorphCollisionPlugin,
-        MorphRapierPlugin::default(),
+        MorphRapierPlugin,
         // The character's act, and the crates.
         character::plugin,
     ))
@@ -65,7 +66,7 @@ fn dress(skinned: Query<Entity, (With<SkinnedMesh>, Without<Skin>)>, mut command
     for mesh in &skinned {
         commands
             .entity(mesh)
-            .insert((Skin, MorphRapierCollider::default(), HandOnFace::default()));
+            .insert((Skin, MorphPhysicsCollider::default(), HandOnFace::default()));
     }
 }
 

@@ -11,6 +11,7 @@ use std::time::Instant;
 use bevy::asset::AssetPath;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use clap::Parser;
 use morph_collision_workspace::app::{is_loaded, locate, ready, update_until, without_collisions};
@@ -59,7 +60,7 @@ pub(crate) fn play(app: &mut App) {
         MorphCollisionPlugin,
         // Physics runs in fixed steps, independently of the frame rate.
         RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
-        MorphRapierPlugin::default(),
+        MorphRapierPlugin,
         heaving::plugin,
     ))
     .insert_resource(Time::<Fixed>::from_hz(RATE))
@@ -73,7 +74,7 @@ fn spawn_hill(mut commands: Commands, assets: Res<AssetServer>, game: Res<Game>)
         Hill::new(assets.load(file.clone())),
         WorldAssetRoot(assets.load(file.with_label("Scene0"))),
         // Adds physics to every deforming mesh below it.
-        MorphRapierScene::default(),
+        MorphPhysicsScene::default(),
         Visibility::default(),
     ));
 }

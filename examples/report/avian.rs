@@ -7,6 +7,7 @@ use avian3d::prelude::*;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, ready};
@@ -17,7 +18,7 @@ use morph_collision_workspace::physics::{bevy_mesh, blend};
 /// A way to make a morphing mesh collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Method {
-    /// [`MorphAvianCollider`].
+    /// [`MorphPhysicsCollider`].
     Ours,
     /// A static body that gets a new `Collider::trimesh` each time from all blended vertices.
     NewMesh,
@@ -28,7 +29,7 @@ pub(crate) enum Method {
 impl Engine for Method {
     fn name(&self) -> &'static str {
         match self {
-            Self::Ours => "`MorphAvianCollider`",
+            Self::Ours => "`MorphPhysicsCollider`",
             Self::NewMesh => "new `Collider::trimesh`",
             Self::Kinematic => "`Collider::trimesh` on a kinematic body",
         }
@@ -38,7 +39,7 @@ impl Engine for Method {
         let mut app = headless(Path::new("."));
         let step = Duration::from_secs_f32(dt);
         let physics = PhysicsPlugins::default().with_length_unit(unit);
-        app.add_plugins((physics, MorphAvianPlugin::default()))
+        app.add_plugins((physics, MorphAvianPlugin))
             .insert_resource(Gravity(Vec3::NEG_Y * 9.81 * unit))
             .insert_resource(Time::<Fixed>::from_duration(step))
             .insert_resource(TimeUpdateStrategy::ManualDuration(step));
@@ -62,7 +63,7 @@ impl Engine for Method {
                 let weights = MeshMorphWeights::Value {
                     weights: vec![0.0; mesh.targets.len()],
                 };
-                let collider = MorphAvianCollider::default();
+                let collider = MorphPhysicsCollider::default();
                 let surface = world.spawn((Mesh3d(asset.clone()), weights, collider, place)).id();
                 Box::new(move |app, weights| {
                     let weights = weights.to_vec();

@@ -2,6 +2,7 @@
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{settle, sheet};
 
@@ -84,7 +85,7 @@ fn a_character_stands_on_a_surface_and_is_carried() {
                 set_weights(&mut app, surface, &[rise * time, slide * time]);
                 run(&mut app, 1);
             }
-            let ground = *app.world().get::<MorphAvianGround>(character).unwrap();
+            let ground = *app.world().get::<MorphCharacterGround>(character).unwrap();
             assert_eq!(ground.surface, Some(surface));
             assert!(
                 ground.velocity.distance(Vec3::new(slide, rise, 0.0)) < 1e-3,
@@ -157,7 +158,7 @@ fn a_body_whose_colliders_are_children_is_carried_as_a_whole() {
             set_weights(&mut app, surface, &[0.0, DT * i as f32]);
             run(&mut app, 1);
         }
-        let ground = app.world().get::<MorphAvianGround>(carried).unwrap();
+        let ground = app.world().get::<MorphCharacterGround>(carried).unwrap();
         assert_eq!(ground.surface, Some(surface), "on the root: {on_root}");
         let (at, below) = (place(&app, root), place(&app, lower));
         assert!(
@@ -204,7 +205,10 @@ fn a_floor_above_a_surface_and_a_wall_stop_what_is_carried() {
     }
     let x = app.world().get::<Transform>(character).unwrap().translation.x;
     assert!((x + 1.0).abs() < 1e-3, "{x}");
-    assert_eq!(app.world().get::<MorphAvianGround>(character).unwrap().surface, None);
+    assert_eq!(
+        app.world().get::<MorphCharacterGround>(character).unwrap().surface,
+        None
+    );
 
     // At a wall, it stays, and slides along it.
     let (mut app, surface, character) = on_a_sheet((), kinematic());

@@ -1,7 +1,7 @@
 //! The plugin's example with crates on a heaving hill, run without a window and checked against the vertices of the file.
 
 #[allow(dead_code, reason = "its `main` opens a window, and is not called")]
-#[path = "../../crates/bevy_morph_collision/examples/avian_hill.rs"]
+#[path = "../../crates/bevy_morph_avian/examples/avian_hill.rs"]
 mod avian_hill;
 
 use std::collections::{HashMap, HashSet};
@@ -17,6 +17,7 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::pbr::StandardMaterial;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::gltf::read::read_meshes;
 use morph_collision_models::mesh::MorphMesh;
@@ -33,7 +34,7 @@ fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
     let weights = nodes.single(app.world()).expect("there is one").weights().to_vec();
     let mut parts = app
         .world_mut()
-        .query_filtered::<&GlobalTransform, (With<MeshMorphWeights>, With<MorphAvianCollider>, With<Friction>)>();
+        .query_filtered::<&GlobalTransform, (With<MeshMorphWeights>, With<MorphPhysicsCollider>, With<Friction>)>();
     let place = *parts.single(app.world()).expect("it is in physics, and rough");
     let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
     let vertices = world_vertices(&posed, &place.affine());
@@ -49,7 +50,7 @@ fn crates_ride_on_a_heaving_hill_and_none_falls_through() {
         let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
         let mut app = without_collisions(&assets);
         app.add_plugins(PhysicsPlugins::default())
-            .add_plugins((MorphPlugins, game))
+            .add_plugins((MorphPlugins, MorphAvianPlugin, game))
             .insert_resource(Time::<Fixed>::from_duration(Duration::from_secs_f32(DT)))
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(DT)))
             .init_asset::<StandardMaterial>();

@@ -3,6 +3,7 @@
 use avian3d::prelude::*;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{settle, sheet};
 
@@ -181,7 +182,7 @@ fn what_touches_a_surface_that_goes_is_told() {
             app.world_mut().entity_mut(surface).insert(MorphColliderDisabled);
         }),
         ("not asked for", |app, surface| {
-            app.world_mut().entity_mut(surface).remove::<MorphAvianCollider>();
+            app.world_mut().entity_mut(surface).remove::<MorphPhysicsCollider>();
         }),
         ("collider disabled", |app, surface| {
             app.world_mut().entity_mut(surface).insert(ColliderDisabled);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::random;
 use morph_collision_workspace::app::headless;
@@ -94,7 +95,7 @@ fn without_avian_it_says_so_and_does_nothing() {
     Errors::collect(|_| {
         Errors::collect(|errors| {
             let mut app = headless(Path::new("."));
-            app.add_plugins(MorphAvianPlugin::default());
+            app.add_plugins(MorphAvianPlugin);
             start(&mut app);
             spawn(&mut app, &sheet(4), ());
             run(&mut app, 3);

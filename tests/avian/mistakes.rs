@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::sheet;
 
@@ -22,19 +23,19 @@ fn a_collider_on_a_scene_names_the_component_for_scenes() {
             warnings.into_iter().next().unwrap_or_default()
         };
         let told = warning(|root| {
-            root.insert(MorphAvianCollider::default());
+            root.insert(MorphPhysicsCollider::default());
         });
         for part in [
-            "`MorphAvianCollider` has no effect",
+            "`MorphPhysicsCollider` has no effect",
             "`Dolphin`",
             "dolphin_564.glb#Scene0",
-            "Use `MorphAvianScene` instead",
+            "Use `MorphPhysicsScene` instead",
         ] {
             assert!(told.contains(part), "`{told}` does not say `{part}`");
         }
         // The file with this mistake has been told.
         let again = warning(|root| {
-            root.insert((MorphAvianCollider::default(), MorphAvianScene::default()));
+            root.insert((MorphPhysicsCollider::default(), MorphPhysicsScene::default()));
         });
         assert_eq!(again, "");
     });
@@ -42,15 +43,15 @@ fn a_collider_on_a_scene_names_the_component_for_scenes() {
         let mut app = app();
         let root = (
             Name::new("Root"),
-            MorphAvianCollider::default(),
-            MorphAvianScene::default(),
+            MorphPhysicsCollider::default(),
+            MorphPhysicsScene::default(),
         );
         app.world_mut().spawn(root);
         run(&mut app, 2);
         let warnings = errors.take_warnings();
         assert_eq!(warnings.len(), 1, "{warnings:?}");
         assert!(
-            warnings[0].contains("Remove it, and set `MorphAvianScene::collider`"),
+            warnings[0].contains("Remove it, and set `MorphPhysicsScene::collider`"),
             "{warnings:?}"
         );
     });
@@ -68,7 +69,7 @@ fn a_collider_with_a_shape_is_told_and_one_with_a_mesh_is_not() {
         let warnings = errors.take_warnings();
         assert_eq!(warnings.len(), 1, "{warnings:?}");
         assert!(
-            warnings[0].contains("`MorphAvianCollider`") && warnings[0].contains("`Ball`"),
+            warnings[0].contains("`MorphPhysicsCollider`") && warnings[0].contains("`Ball`"),
             "{warnings:?}"
         );
     });

@@ -6,6 +6,7 @@ use avian3d::prelude::*;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{settle, sheet};
 
@@ -133,7 +134,7 @@ fn a_jump_does_not_throw() {
 fn a_change_that_comes_too_fast_to_be_a_motion_is_the_surfaces_own_to_define() {
     // The same jump, treated as a motion.
     let (mut app, sheet, ball) = on_the_sheet(Collider::sphere(0.5));
-    let trusting = MorphAvianCollider {
+    let trusting = MorphPhysicsCollider {
         max_acceleration: f32::INFINITY,
         ..default()
     };

@@ -4,6 +4,7 @@
 use avian3d::prelude::*;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
@@ -50,7 +51,7 @@ fn without<C: Component + Default>(name: &'static str) -> Way {
 
 fn ways() -> [Way; 7] {
     [
-        without::<MorphAvianCollider>("not asked for"),
+        without::<MorphPhysicsCollider>("not asked for"),
         without::<MorphCollider>("no collider"),
         Way {
             name: "no mesh",

@@ -2,6 +2,7 @@
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use morph_collision_models::generated::rigid;
 use morph_collision_workspace::physics::{settle, sheet};
 

@@ -6,6 +6,7 @@ use avian3d::prelude::*;
 use bevy::gltf::Gltf;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, load_gltf, update_until};
@@ -37,7 +38,7 @@ fn holds(app: &mut App, at: Vec3) -> bool {
 }
 
 fn limits(app: &mut App) -> Vec<f32> {
-    let mut colliders = app.world_mut().query::<&MorphAvianCollider>();
+    let mut colliders = app.world_mut().query::<&MorphPhysicsCollider>();
     let mut limits: Vec<f32> = colliders.iter(app.world()).map(|c| c.max_acceleration).collect();
     limits.sort_by(f32::total_cmp);
     limits
@@ -48,7 +49,7 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
     let mut app = app();
     let root = app
         .world_mut()
-        .spawn((MorphAvianScene::default(), Transform::default()))
+        .spawn((MorphPhysicsScene::default(), Transform::default()))
         .id();
     let [left, right] = [Vec3::X * -10.0, Vec3::X * 10.0];
     part(&mut app, root, "left", &sheet(8), left);
@@ -69,18 +70,18 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
 
     // Editing the scene updates everything that was not changed by hand.
     app.world_mut()
-        .get_mut::<MorphAvianCollider>(late)
+        .get_mut::<MorphPhysicsCollider>(late)
         .unwrap()
         .max_acceleration = 5.0;
-    let edited = MorphAvianCollider {
+    let edited = MorphPhysicsCollider {
         max_acceleration: 50.0,
         ..default()
     };
-    app.world_mut().get_mut::<MorphAvianScene>(root).unwrap().collider = edited;
+    app.world_mut().get_mut::<MorphPhysicsScene>(root).unwrap().collider = edited;
     run(&mut app, 2);
     assert_eq!(limits(&mut app), [5.0, 50.0]);
 
-    app.world_mut().entity_mut(root).remove::<MorphAvianScene>();
+    app.world_mut().entity_mut(root).remove::<MorphPhysicsScene>();
     run(&mut app, 3);
     assert_eq!(diagnostics(&app).surfaces, 0);
     assert_eq!(population(&mut app), (0, 0));
@@ -92,7 +93,7 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
         "they are parts of the scene still"
     );
     // Inserts the scene again.
-    app.world_mut().entity_mut(root).insert(MorphAvianScene::default());
+    app.world_mut().entity_mut(root).insert(MorphPhysicsScene::default());
     run(&mut app, 3);
     assert_eq!(limits(&mut app), [100.0, 100.0]);
     assert!(holds(&mut app, right));
@@ -107,11 +108,11 @@ fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
     };
     let root = app
         .world_mut()
-        .spawn((scene, MorphAvianScene::default(), Transform::default()))
+        .spawn((scene, MorphPhysicsScene::default(), Transform::default()))
         .id();
     let ground = part(&mut app, root, "ground", &sheet(8), Vec3::ZERO);
     let grass = part(&mut app, root, "grass", &sheet(8), Vec3::X * 20.0);
-    let own = MorphAvianCollider {
+    let own = MorphPhysicsCollider {
         max_acceleration: 1.0,
         ..default()
     };
@@ -119,8 +120,8 @@ fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
     app.world_mut().entity_mut(own_part).insert(own);
     settle(&mut app);
     run(&mut app, 3);
-    let has = |app: &App, entity| app.world().get::<MorphAvianCollider>(entity).copied();
-    assert_eq!(has(&app, ground), Some(MorphAvianCollider::default()));
+    let has = |app: &App, entity| app.world().get::<MorphPhysicsCollider>(entity).copied();
+    assert_eq!(has(&app, ground), Some(MorphPhysicsCollider::default()));
     assert_eq!((has(&app, grass), has(&app, own_part)), (None, Some(own)));
     assert!(holds(&mut app, Vec3::ZERO) && !holds(&mut app, Vec3::X * 20.0) && holds(&mut app, Vec3::X * 40.0));
 
@@ -133,8 +134,8 @@ fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
         .only_named
         .push("grass".into());
     run(&mut app, 3);
-    assert_eq!(has(&app, grass), Some(MorphAvianCollider::default()));
-    app.world_mut().entity_mut(root).remove::<MorphAvianScene>();
+    assert_eq!(has(&app, grass), Some(MorphPhysicsCollider::default()));
+    app.world_mut().entity_mut(root).remove::<MorphPhysicsScene>();
     run(&mut app, 3);
     assert_eq!((has(&app, grass), has(&app, own_part)), (None, Some(own)));
 }
@@ -145,7 +146,7 @@ fn the_parts_of_a_scene_on_a_body_move_with_it() {
     let root = app
         .world_mut()
         .spawn((
-            MorphAvianScene::default(),
+            MorphPhysicsScene::default(),
             RigidBody::Kinematic,
             LinearVelocity(Vec3::X),
             Transform::default(),
@@ -179,21 +180,21 @@ fn a_gltf_file_is_in_physics_once_it_is_spawned() {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let file = assets.join("dolphin_564.glb");
     let mut app = headless(&assets);
-    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin::default()));
+    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin));
     start(&mut app);
     let gltf = load_gltf(&mut app, &file).expect("it comes with the repository");
     let scene = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap().scenes[0].clone();
     app.world_mut()
-        .spawn((WorldAssetRoot(scene), MorphAvianScene::default()));
+        .spawn((WorldAssetRoot(scene), MorphPhysicsScene::default()));
     update_until(&mut app, &file, |world| {
-        Ok(world.resource::<MorphAvianDiagnostics>().surfaces == 1)
+        Ok(world.resource::<MorphPhysicsDiagnostics>().surfaces == 1)
     })
     .expect("it comes into physics");
     run(&mut app, 2);
     let hits = below(&mut app, 0.0, 0.0);
     let mut parts = app
         .world_mut()
-        .query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphAvianCollider>)>();
+        .query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphPhysicsCollider>)>();
     let mesh = parts.single(app.world()).expect("there is one mesh");
     assert!(hits.first().is_some_and(|&(entity, _)| entity == mesh), "{hits:?}");
 }

@@ -9,6 +9,7 @@ use bevy::ecs::schedule::ScheduleLabel;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::without_collisions;
 use morph_collision_workspace::physics::{settle, sheet};
@@ -25,35 +26,39 @@ type Setup = (&'static str, fn(&mut App));
 
 const SETUPS: &[Setup] = &[
     ("the group after Avian", |app| {
-        app.add_plugins((PhysicsPlugins::default(), MorphPlugins));
+        app.add_plugins((PhysicsPlugins::default(), MorphPlugins, MorphAvianPlugin));
     }),
     ("the group before Avian", |app| {
-        app.add_plugins((MorphPlugins, PhysicsPlugins::default()));
+        app.add_plugins((MorphPlugins, MorphAvianPlugin, PhysicsPlugins::default()));
     }),
     ("in FixedUpdate, the group before Avian", |app| {
-        app.add_plugins((MorphPlugins, PhysicsPlugins::new(FixedUpdate)));
+        app.add_plugins((MorphPlugins, MorphAvianPlugin, PhysicsPlugins::new(FixedUpdate)));
     }),
     ("in PostUpdate, collisions in FixedUpdate", |app| {
-        app.add_plugins((PhysicsPlugins::new(PostUpdate), MorphPlugins.in_schedule(FixedUpdate)));
+        app.add_plugins((
+            PhysicsPlugins::new(PostUpdate),
+            MorphPlugins.in_schedule(FixedUpdate),
+            MorphAvianPlugin,
+        ));
     }),
     ("in Update", |app| {
-        app.add_plugins((PhysicsPlugins::new(Update), MorphPlugins));
+        app.add_plugins((PhysicsPlugins::new(Update), MorphPlugins, MorphAvianPlugin));
     }),
     ("in a schedule within the fixed ones", |app| {
         app.init_schedule(Own)
             .add_systems(FixedUpdate, |world: &mut World| world.run_schedule(Own));
-        app.add_plugins((PhysicsPlugins::new(Own), MorphPlugins));
+        app.add_plugins((PhysicsPlugins::new(Own), MorphPlugins, MorphAvianPlugin));
     }),
     ("in a schedule of the main loop", |app| {
         app.init_schedule(Own);
         app.world_mut()
             .resource_mut::<MainScheduleOrder>()
             .insert_after(Update, Own);
-        app.add_plugins((MorphPlugins, PhysicsPlugins::new(Own)));
+        app.add_plugins((MorphPlugins, MorphAvianPlugin, PhysicsPlugins::new(Own)));
     }),
     ("single plugins, named schedule", |app| {
         app.add_plugins((
-            MorphAvianPlugin::new(FixedUpdate),
+            MorphAvianPlugin.in_schedule(FixedUpdate),
             MorphCollisionPlugin,
             PhysicsPlugins::new(FixedUpdate),
         ));
@@ -101,13 +106,13 @@ fn it_works_in_any_schedule_and_in_any_order() {
 fn a_wrong_schedule_is_put_right_and_the_log_says_what_to_write() {
     Errors::collect(|errors| {
         let (app, _, ball) = ball_on_a_sheet(|app| {
-            let wrong = MorphAvianPlugin::new(PostUpdate);
-            app.add_plugins((PhysicsPlugins::default(), MorphPlugins.set(wrong)));
+            let wrong = MorphAvianPlugin.in_schedule(PostUpdate);
+            app.add_plugins((PhysicsPlugins::default(), MorphPlugins, wrong));
         });
         assert!((place(&app, ball).y - 0.5).abs() < 1e-2);
         let said = errors.take_warnings();
         assert_eq!(said.len(), 1, "{said:?}");
-        assert!(said[0].contains("write MorphAvianPlugin::default()"), "{said:?}");
+        assert!(said[0].contains("write MorphAvianPlugin alone"), "{said:?}");
         assert!(said[0].contains("FixedPostUpdate"), "{said:?}");
     });
 }
@@ -117,30 +122,30 @@ type Broken = (&'static str, fn(&mut App), &'static str);
 
 const BROKEN: &[Broken] = &[
     (
-        "the group without Avian",
+        "neither Avian nor the plugin for it",
         |app| {
             app.add_plugins(MorphPlugins);
         },
-        "PhysicsPlugins::default()",
+        "MorphAvianPlugin",
     ),
     (
         "no plugin for Avian",
         |app| {
             app.add_plugins((PhysicsPlugins::default(), MorphCollisionPlugin));
         },
-        "MorphAvianPlugin::default()",
+        "MorphAvianPlugin",
     ),
     (
         "the single plugin without Avian",
         |app| {
-            app.add_plugins((MorphAvianPlugin::default(), MorphCollisionPlugin));
+            app.add_plugins((MorphAvianPlugin, MorphCollisionPlugin));
         },
         "PhysicsPlugins",
     ),
     (
         "without collisions",
         |app| {
-            app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin::default()));
+            app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin));
         },
         "MorphCollisionPlugin",
     ),

@@ -5,6 +5,7 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
@@ -34,7 +35,7 @@ fn flap(app: &mut App) -> (Entity, [Entity; 2]) {
     };
     let weights = MeshMorphWeights::Value { weights: vec![0.0; 2] };
     let place = Transform::from_xyz(30.0, 20.0, 10.0).with_rotation(Quat::from_rotation_x(0.7));
-    let bundle = (Mesh3d(shown), weights, skin, MorphAvianCollider::default(), place);
+    let bundle = (Mesh3d(shown), weights, skin, MorphPhysicsCollider::default(), place);
     let surface = world.spawn(bundle).id();
     settle(app);
     (surface, joints)

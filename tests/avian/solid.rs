@@ -2,13 +2,14 @@
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::support::{app, ask, body, place, run, set_weights, spawn, velocity};
 
-const SOLID: MorphAvianCollider = MorphAvianCollider {
+const SOLID: MorphPhysicsCollider = MorphPhysicsCollider {
     max_acceleration: 100.0,
     solid: true,
 };
@@ -22,7 +23,7 @@ fn with_slab(solid: bool) -> (App, Entity) {
     let slab = spawn(&mut app, &slab, ());
     app.world_mut()
         .entity_mut(slab)
-        .insert(MorphAvianCollider { solid, ..SOLID });
+        .insert(MorphPhysicsCollider { solid, ..SOLID });
     settle(&mut app);
     (app, slab)
 }

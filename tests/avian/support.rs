@@ -8,6 +8,7 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::headless;
@@ -30,7 +31,7 @@ pub(crate) fn app() -> App {
 /// The same app, to which more plugins can be added.
 pub(crate) fn unfinished() -> App {
     let mut app = headless(Path::new("."));
-    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin::default()))
+    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin))
         .insert_resource(Time::<Fixed>::from_duration(STEP))
         .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     app
@@ -42,7 +43,7 @@ pub(crate) fn spawn(app: &mut App, mesh: &MorphMesh, more: impl Bundle) -> Entit
     let weights = MeshMorphWeights::Value {
         weights: vec![0.0; mesh.targets.len()],
     };
-    let collider = MorphAvianCollider::default();
+    let collider = MorphPhysicsCollider::default();
     app.world_mut().spawn((Mesh3d(handle), weights, collider, more)).id()
 }
 
@@ -76,8 +77,8 @@ pub(crate) fn run(app: &mut App, frames: usize) {
     }
 }
 
-pub(crate) fn diagnostics(app: &App) -> MorphAvianDiagnostics {
-    *app.world().resource::<MorphAvianDiagnostics>()
+pub(crate) fn diagnostics(app: &App) -> MorphPhysicsDiagnostics {
+    *app.world().resource::<MorphPhysicsDiagnostics>()
 }
 
 /// The number of all colliders, and of the parts among them.

@@ -6,6 +6,7 @@ use avian3d::prelude::*;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{settle, sheet};
@@ -44,12 +45,12 @@ fn on_a_sheet(
     collider: Collider,
 ) -> (App, [Entity; 3]) {
     let mut app = headless(std::path::Path::new("."));
-    app.add_plugins((PhysicsPlugins::new(schedule), MorphAvianPlugin::new(schedule)))
+    app.add_plugins((PhysicsPlugins::new(schedule), MorphAvianPlugin.in_schedule(schedule)))
         .insert_resource(Time::<Fixed>::from_hz(64.0))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(frame)));
     start(&mut app);
     let surface = spawn(&mut app, &sheet(16), ());
-    let trusting = MorphAvianCollider {
+    let trusting = MorphPhysicsCollider {
         max_acceleration,
         ..default()
     };

@@ -6,6 +6,7 @@ use std::time::Duration;
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::behaviour::Behaviour;
@@ -42,12 +43,12 @@ fn a_plate_on_the_head_of_a_character_stays_there_in_every_unit() {
         let mut app = headless(file.parent().unwrap());
         let physics = PhysicsPlugins::default().with_length_unit(unit);
         let step = Duration::from_secs_f64(1.0 / 30.0);
-        app.add_plugins((physics, MorphAvianPlugin::default()))
+        app.add_plugins((physics, MorphAvianPlugin))
             .insert_resource(Gravity(Vec3::NEG_Y * 9.81 * unit))
             .insert_resource(Time::<Fixed>::from_duration(step))
             .insert_resource(TimeUpdateStrategy::ManualDuration(step));
         start(&mut app);
-        let collider = MorphAvianCollider::default();
+        let collider = MorphPhysicsCollider::default();
         let player = Player::spawn(&mut app, &file, "walk_and_talk", 0.1 * unit, collider).expect("it can be loaded");
         run(&mut app, 5);
         let half = 0.01 * unit;

@@ -5,6 +5,7 @@ use bevy::gizmos::GizmoPlugin;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::{NoUserData, RapierPhysicsPlugin};
 
 use crate::log::{Errors, start};
@@ -36,10 +37,6 @@ fn the_group_works_in_an_app_without_anything_to_see() {
             assert!(app.is_plugin_added::<MorphBoundsPlugin>() && app.is_plugin_added::<MorphPickingPlugin>());
             let store = app.world().resource::<DiagnosticsStore>();
             assert!(store.get(&MorphCollisionDiagnosticsPlugin::TOUCHING_PAIRS).is_some());
-            assert!(
-                app.world().get_resource::<MorphRapierDiagnostics>().is_none(),
-                "there is no physics"
-            );
         },
     );
 }
@@ -48,11 +45,16 @@ fn the_group_works_in_an_app_without_anything_to_see() {
 fn the_group_brings_what_belongs_to_plugins_that_are_there() {
     with_app(
         |app| {
-            app.add_plugins((GizmoPlugin, RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins));
+            app.add_plugins((
+                GizmoPlugin,
+                RapierPhysicsPlugin::<NoUserData>::default(),
+                MorphPlugins,
+                MorphRapierPlugin,
+            ));
         },
         |app, logged| {
             assert_eq!(logged, [""; 0]);
-            assert!(app.world().contains_resource::<MorphRapierDiagnostics>());
+            assert!(app.world().contains_resource::<MorphPhysicsDiagnostics>());
             let store = app.world().resource::<GizmoConfigStore>();
             assert!(store.get_config::<MorphGizmos>().is_some());
         },
@@ -63,11 +65,15 @@ fn the_group_brings_what_belongs_to_plugins_that_are_there() {
 fn physics_may_come_after_the_group() {
     with_app(
         |app| {
-            app.add_plugins((MorphPlugins, RapierPhysicsPlugin::<NoUserData>::default()));
+            app.add_plugins((
+                MorphPlugins,
+                MorphRapierPlugin,
+                RapierPhysicsPlugin::<NoUserData>::default(),
+            ));
         },
         |app, logged| {
             assert_eq!(logged, [""; 0]);
-            assert!(app.world().contains_resource::<MorphRapierDiagnostics>());
+            assert!(app.world().contains_resource::<MorphPhysicsDiagnostics>());
         },
     );
 }

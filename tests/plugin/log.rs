@@ -56,7 +56,7 @@ pub(crate) fn run_here(app: &mut App) {
 
 impl Subscriber for Errors {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        *metadata.level() <= Level::WARN && metadata.target().starts_with("bevy_morph_collision")
+        *metadata.level() <= Level::WARN && metadata.target().starts_with("bevy_morph_")
     }
 
     fn event(&self, event: &Event<'_>) {

@@ -9,6 +9,7 @@ use bevy::reflect::{FromReflect, ReflectFromReflect, TypePath, TypeRegistry};
 use bevy::scene::ScenePlugin;
 use bevy::world_serialization::{DynamicWorldBuilder, DynamicWorldRoot};
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::{NoUserData, RapierPhysicsPlugin};
 use morph_collision_workspace::app::headless;
 use serde::de::DeserializeSeed;
@@ -39,12 +40,12 @@ fn for_each_component(entity: Entity, mut each: impl EachComponent) {
     each.of(MorphShape::from(Capsule3d::new(0.5, 2.0)));
     each.of(MorphSurfaceAnchor::new(entity, 3, Vec3::X).with_offset(0.5));
     each.of(MorphTreeOptions { leaf_size: 3 });
-    each.of(MorphRapierCollider {
+    each.of(MorphPhysicsCollider {
         max_acceleration: 7.0,
         solid: true,
     });
-    each.of(MorphRapierScene {
-        collider: MorphRapierCollider {
+    each.of(MorphPhysicsScene {
+        collider: MorphPhysicsCollider {
             max_acceleration: 3.0,
             solid: true,
         },
@@ -58,8 +59,8 @@ trait EachComponent {
 /// An app with everything registered, and an entity for relationships.
 fn app_and_other() -> (App, Entity) {
     let mut app = app();
-    app.register_type::<MorphRapierCollider>();
-    app.register_type::<MorphRapierScene>();
+    app.register_type::<MorphPhysicsCollider>();
+    app.register_type::<MorphPhysicsScene>();
     let other = app.world_mut().spawn_empty().id();
     (app, other)
 }
@@ -164,8 +165,8 @@ fn every_component_survives_a_scene_file() {
         .allow_component::<MorphShape>()
         .allow_component::<MorphSurfaceAnchor>()
         .allow_component::<MorphTreeOptions>()
-        .allow_component::<MorphRapierCollider>()
-        .allow_component::<MorphRapierScene>();
+        .allow_component::<MorphPhysicsCollider>()
+        .allow_component::<MorphPhysicsScene>();
     let text = builder
         .extract_entities(entities.into_iter())
         .build()
@@ -174,8 +175,8 @@ fn every_component_survives_a_scene_file() {
 
     let mut app = headless(folder.path());
     start(&mut app);
-    app.register_type::<MorphRapierCollider>();
-    app.register_type::<MorphRapierScene>();
+    app.register_type::<MorphPhysicsCollider>();
+    app.register_type::<MorphPhysicsScene>();
     let scene = app.world().resource::<AssetServer>().load("level.scn.ron");
     app.world_mut().spawn(DynamicWorldRoot(scene));
     let mut other = None;
@@ -226,7 +227,12 @@ fn components_resources_and_events_are_registered() {
     let mut app = plain_app();
     // Without Bevy's automatic registration, which a feature enables.
     app.insert_resource(AppTypeRegistry::default());
-    app.add_plugins((GizmoPlugin, RapierPhysicsPlugin::<NoUserData>::default(), MorphPlugins));
+    app.add_plugins((
+        GizmoPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        MorphPlugins,
+        MorphRapierPlugin,
+    ));
     let registry = app.world().resource::<AppTypeRegistry>().read();
     for_each_component(Entity::PLACEHOLDER, Registered(&registry));
     check_registered::<MorphColliders>(
@@ -246,7 +252,7 @@ fn components_resources_and_events_are_registered() {
     check_registered::<MorphCollisions>(&registry, &resource);
     check_registered::<MorphTrees>(&registry, &resource);
     check_registered::<MorphPickingSettings>(&registry, &resource);
-    check_registered::<MorphRapierDiagnostics>(&registry, &resource);
+    check_registered::<MorphPhysicsDiagnostics>(&registry, &resource);
     let event: [fn(&bevy::reflect::TypeRegistration) -> bool; 3] = [
         |registration| registration.data::<ReflectEvent>().is_some(),
         |registration| registration.data::<ReflectMessage>().is_some(),

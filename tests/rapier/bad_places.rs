@@ -4,6 +4,7 @@ use bevy::ecs::message::MessageCursor;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
@@ -200,9 +201,9 @@ fn what_was_somewhere_near_infinity_pushes_as_before() {
             &slab(Vec3::new(2.0, 0.5, 2.0)),
             Transform::from_translation(ASIDE),
         );
-        app.world_mut().entity_mut(slab).insert(MorphRapierCollider {
+        app.world_mut().entity_mut(slab).insert(MorphPhysicsCollider {
             solid,
-            ..MorphRapierCollider::default()
+            ..MorphPhysicsCollider::default()
         });
         settle(&mut app);
         let floats = body(&mut app, Collider::ball(0.2), ASIDE + Vec3::new(0.1, 1.0, 0.05));
@@ -293,7 +294,7 @@ fn the_plugin_s_own_contacts_go_on_while_physics_leaves_a_surface_out() {
     );
     app.world_mut()
         .entity_mut(other)
-        .remove::<MorphRapierCollider>()
+        .remove::<MorphPhysicsCollider>()
         .insert(MorphCollider::default());
     settle(&mut app);
     let touching = |app: &App| app.world().resource::<MorphCollisions>().contains(surface, other);

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::bullets::Shots;
 use morph_collision_workspace::physics::drops::Kind;
@@ -113,7 +114,7 @@ fn a_surface_that_jumps_over_a_bullet_does_not_take_it_along() {
 fn bullets_leave_a_solid_surface_and_do_not_come_in() {
     let mut app = app();
     let surface = spawn(&mut app, &slab(Vec3::new(1.0, 0.25, 1.0)), ());
-    let solid = MorphRapierCollider {
+    let solid = MorphPhysicsCollider {
         solid: true,
         ..default()
     };

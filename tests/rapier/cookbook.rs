@@ -2,7 +2,7 @@
 //! at each step.
 
 #[allow(dead_code, reason = "its `main` opens a window, and is not called")]
-#[path = "../../crates/bevy_morph_collision/examples/rapier_character.rs"]
+#[path = "../../crates/bevy_morph_rapier/examples/rapier_character.rs"]
 mod rapier_character;
 
 use std::collections::{HashMap, HashSet};
@@ -14,6 +14,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::pbr::StandardMaterial;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::{PointQuery, Ray, RayCast};
 use bevy_rapier3d::parry::shape::TriMesh;
@@ -52,7 +53,7 @@ fn balls_bounce_off_a_walking_character_and_none_falls_through() {
     let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
     let mut app = without_collisions(&assets);
     app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())
-        .add_plugins((MorphPlugins, game))
+        .add_plugins((MorphPlugins, MorphRapierPlugin, game))
         .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
         .init_asset::<StandardMaterial>();
     start(&mut app);

@@ -5,6 +5,7 @@ use std::path::Path;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
@@ -246,7 +247,7 @@ fn a_listener_that_comes_and_goes_hears_of_its_own_contact_alone_and_disturbs_no
 #[derive(bevy::ecs::system::SystemParam)]
 struct Falls<'w, 's> {
     marked: Query<'w, 's, Entity, With<Name>>,
-    surfaces: Query<'w, 's, Entity, With<MorphRapierCollider>>,
+    surfaces: Query<'w, 's, Entity, With<MorphPhysicsCollider>>,
 }
 
 impl BevyPhysicsHooks for Falls<'_, '_> {
@@ -261,7 +262,7 @@ impl BevyPhysicsHooks for Falls<'_, '_> {
 #[test]
 fn hooks_know_the_surface() {
     let mut app = headless(Path::new("."));
-    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin::default()))
+    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin))
         .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
     start(&mut app);
     let surface = spawn(&mut app, &sheet(16), ());

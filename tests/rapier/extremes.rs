@@ -1,7 +1,7 @@
 //! Random sizes and places from 1e-30 to 1e30, infinite and NaN: nothing panics, and other bodies are not affected.
 
 use bevy::prelude::*;
-use bevy_morph_collision::MorphQueryDispatcher;
+use bevy_morph_rapier::MorphQueryDispatcher;
 use bevy_rapier3d::parry::math::{Pose, Rotation};
 use bevy_rapier3d::parry::query::details::ShapeCastOptions;
 use bevy_rapier3d::parry::query::{

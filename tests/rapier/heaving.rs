@@ -6,6 +6,7 @@ use std::path::Path;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::parry::shape::TriMesh;
@@ -57,7 +58,7 @@ fn ground(app: &App, player: Entity) -> MorphCharacterGround {
 fn hill(app: &mut App) -> TriMesh {
     let mesh = read_meshes(&assets().join(MODEL)).expect("it can be read").remove(0);
     let world = app.world_mut();
-    let mut surfaces = world.query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphRapierCollider>)>();
+    let mut surfaces = world.query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphPhysicsCollider>)>();
     let surface = surfaces.single(world).expect("one component has put it into physics");
     let mut nodes = world.query::<&MorphWeights>();
     let weights = nodes.single(world).expect("there is one").weights().to_vec();

@@ -8,6 +8,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::generated::{random, rigid};
 use morph_collision_workspace::app::headless;
@@ -157,9 +158,9 @@ fn the_plugin_adds_no_ambiguous_order_of_systems() {
     };
     type Added = (fn(&mut App, RapierPhysicsPlugin), MorphRapierPlugin);
     let schedules: [Added; 3] = [
-        (in_frames, MorphRapierPlugin::default()),
-        (in_steps, MorphRapierPlugin::new(FixedUpdate)),
-        (in_own, MorphRapierPlugin::default()),
+        (in_frames, MorphRapierPlugin),
+        (in_steps, MorphRapierPlugin.in_schedule(FixedUpdate)),
+        (in_own, MorphRapierPlugin),
     ];
     for (add_rapier, plugin) in schedules {
         let rapier = || {
@@ -179,7 +180,7 @@ fn physics_in_the_fixed_schedule_carries() {
     let mut app = headless(Path::new("."));
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
-        MorphRapierPlugin::new(FixedUpdate),
+        MorphRapierPlugin.in_schedule(FixedUpdate),
     ))
     .insert_resource(TimestepMode::Fixed {
         dt: 1.0 / 64.0,

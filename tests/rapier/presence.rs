@@ -4,6 +4,7 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, body, settle, sheet};
 
@@ -114,7 +115,7 @@ fn without<C: Component + Default>(name: &'static str) -> Way {
 
 fn ways() -> [Way; 7] {
     [
-        without::<MorphRapierCollider>("no longer asked for"),
+        without::<MorphPhysicsCollider>("no longer asked for"),
         without::<MorphCollider>("no collider"),
         Way {
             name: "no mesh",
@@ -270,14 +271,14 @@ fn a_collider_of_the_game_s_own_stays_and_works_when_the_surface_goes() {
         ("removed, then a collider", |app, surface| {
             let mut surface = app.world_mut().entity_mut(surface);
             surface
-                .remove::<MorphRapierCollider>()
+                .remove::<MorphPhysicsCollider>()
                 .insert(Collider::cuboid(1.0, 1.0, 1.0));
         }),
         ("a collider, then removed", |app, surface| {
             let mut surface = app.world_mut().entity_mut(surface);
             surface
                 .insert(Collider::cuboid(1.0, 1.0, 1.0))
-                .remove::<MorphRapierCollider>();
+                .remove::<MorphPhysicsCollider>();
         }),
         ("a collider, and not removed", |app, surface| {
             app.world_mut()
@@ -295,7 +296,7 @@ fn a_collider_of_the_game_s_own_stays_and_works_when_the_surface_goes() {
             run(app, 2);
             let mut surface = app.world_mut().entity_mut(surface);
             surface
-                .remove::<MorphRapierCollider>()
+                .remove::<MorphPhysicsCollider>()
                 .insert(Collider::cuboid(1.0, 1.0, 1.0));
         }),
     ];
@@ -319,7 +320,7 @@ fn a_collider_of_the_game_s_own_stays_and_works_when_the_surface_goes() {
         (diagnostics(&app).surfaces, below(&mut app, 0.8, 0.8).map(|hit| hit.0)),
         (0, Some(surface))
     );
-    app.world_mut().entity_mut(surface).remove::<MorphRapierCollider>();
+    app.world_mut().entity_mut(surface).remove::<MorphPhysicsCollider>();
     run(&mut app, 2);
     assert!(app.world().get::<Collider>(surface).is_some());
 }
@@ -341,7 +342,7 @@ fn a_disabled_surface_that_is_despawned_or_undone_leaves_nothing_behind() {
     app.world_mut()
         .entity_mut(surface)
         .insert(Disabled)
-        .remove::<MorphRapierCollider>();
+        .remove::<MorphPhysicsCollider>();
     run(&mut app, 60);
     assert!(place(&app, ball).y < -1.0, "{}", place(&app, ball));
     assert_eq!(below(&mut app, 3.0, 3.1), None);
@@ -368,7 +369,7 @@ fn a_removed_collider_comes_back_while_the_surface_is_wanted() {
     assert!((place(&app, ball).y - 0.3).abs() < 1e-2, "{}", place(&app, ball));
     app.world_mut()
         .entity_mut(surface)
-        .remove::<(MorphRapierCollider, Collider)>();
+        .remove::<(MorphPhysicsCollider, Collider)>();
     run(&mut app, 30);
     assert!(!app.world().entity(surface).contains::<Collider>());
     assert!(place(&app, ball).y < 0.0, "{}", place(&app, ball));

@@ -3,6 +3,7 @@
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{bevy_mesh, body, settle, sheet};
@@ -36,7 +37,7 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
     let mut app = app();
     let root = app
         .world_mut()
-        .spawn((MorphRapierScene::default(), Transform::default()))
+        .spawn((MorphPhysicsScene::default(), Transform::default()))
         .id();
     let [left, right] = [Vec3::X * -10.0, Vec3::X * 10.0];
     part(&mut app, root, "left", &sheet(8), left);
@@ -57,21 +58,21 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
 
     // Editing the scene updates everything that was not changed by hand.
     app.world_mut()
-        .get_mut::<MorphRapierCollider>(late)
+        .get_mut::<MorphPhysicsCollider>(late)
         .unwrap()
         .max_acceleration = 5.0;
-    let edited = MorphRapierCollider {
+    let edited = MorphPhysicsCollider {
         max_acceleration: 50.0,
         ..default()
     };
-    app.world_mut().get_mut::<MorphRapierScene>(root).unwrap().collider = edited;
+    app.world_mut().get_mut::<MorphPhysicsScene>(root).unwrap().collider = edited;
     run(&mut app, 2);
-    let mut colliders = app.world_mut().query::<&MorphRapierCollider>();
+    let mut colliders = app.world_mut().query::<&MorphPhysicsCollider>();
     let mut limits: Vec<f32> = colliders.iter(app.world()).map(|c| c.max_acceleration).collect();
     limits.sort_by(f32::total_cmp);
     assert_eq!(limits, [5.0, 50.0]);
 
-    app.world_mut().entity_mut(root).remove::<MorphRapierScene>();
+    app.world_mut().entity_mut(root).remove::<MorphPhysicsScene>();
     run(&mut app, 3);
     assert_eq!(diagnostics(&app).surfaces, 0);
     assert_eq!(population(&mut app), (0, 0));
@@ -93,11 +94,11 @@ fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
     };
     let root = app
         .world_mut()
-        .spawn((scene, MorphRapierScene::default(), Transform::default()))
+        .spawn((scene, MorphPhysicsScene::default(), Transform::default()))
         .id();
     let ground = part(&mut app, root, "ground", &sheet(8), Vec3::ZERO);
     let grass = part(&mut app, root, "grass", &sheet(8), Vec3::X * 20.0);
-    let own = MorphRapierCollider {
+    let own = MorphPhysicsCollider {
         max_acceleration: 1.0,
         ..default()
     };
@@ -105,15 +106,15 @@ fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
     app.world_mut().entity_mut(own_part).insert(own);
     settle(&mut app);
     run(&mut app, 3);
-    let has = |app: &App, entity| app.world().get::<MorphRapierCollider>(entity).copied();
-    assert_eq!(has(&app, ground), Some(MorphRapierCollider::default()));
+    let has = |app: &App, entity| app.world().get::<MorphPhysicsCollider>(entity).copied();
+    assert_eq!(has(&app, ground), Some(MorphPhysicsCollider::default()));
     assert_eq!((has(&app, grass), has(&app, own_part)), (None, Some(own)));
     assert!(holds(&mut app, Vec3::ZERO) && !holds(&mut app, Vec3::X * 20.0) && holds(&mut app, Vec3::X * 40.0));
 
     app.world_mut().entity_mut(ground).insert(Name::new("sand"));
     run(&mut app, 3);
     assert_eq!(has(&app, ground), None);
-    app.world_mut().entity_mut(root).remove::<MorphRapierScene>();
+    app.world_mut().entity_mut(root).remove::<MorphPhysicsScene>();
     run(&mut app, 3);
     assert_eq!(has(&app, own_part), Some(own));
 }

@@ -9,6 +9,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::without_collisions;
 use morph_collision_workspace::physics::{body, settle, sheet};
@@ -52,44 +53,48 @@ fn set_up_by_hand(app: &mut App, schedule: impl ScheduleLabel + Clone) {
 
 const SETUPS: &[Setup] = &[
     ("the group after Rapier", |app| {
-        app.add_plugins((Rapier::default(), MorphPlugins));
+        app.add_plugins((Rapier::default(), MorphPlugins, MorphRapierPlugin));
     }),
     ("the group before Rapier", |app| {
-        app.add_plugins((MorphPlugins, Rapier::default()));
+        app.add_plugins((MorphPlugins, MorphRapierPlugin, Rapier::default()));
     }),
     ("in the fixed schedule", |app| {
-        app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins));
+        app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins, MorphRapierPlugin));
     }),
     ("in the fixed schedule, the group before Rapier", |app| {
-        app.add_plugins((MorphPlugins, Rapier::default().in_fixed_schedule()));
+        app.add_plugins((MorphPlugins, MorphRapierPlugin, Rapier::default().in_fixed_schedule()));
     }),
     ("in FixedPostUpdate, collisions in FixedUpdate", |app| {
         let rapier = Rapier::default().in_schedule(FixedPostUpdate);
-        app.add_plugins((rapier, MorphPlugins.in_schedule(FixedUpdate)));
+        app.add_plugins((rapier, MorphPlugins.in_schedule(FixedUpdate), MorphRapierPlugin));
     }),
     ("in Update", |app| {
-        app.add_plugins((Rapier::default().in_schedule(Update), MorphPlugins));
+        app.add_plugins((Rapier::default().in_schedule(Update), MorphPlugins, MorphRapierPlugin));
     }),
     ("in PreUpdate", |app| {
-        app.add_plugins((Rapier::default().in_schedule(PreUpdate), MorphPlugins));
+        app.add_plugins((
+            Rapier::default().in_schedule(PreUpdate),
+            MorphPlugins,
+            MorphRapierPlugin,
+        ));
     }),
     ("in Last", |app| {
-        app.add_plugins((Rapier::default().in_schedule(Last), MorphPlugins));
+        app.add_plugins((Rapier::default().in_schedule(Last), MorphPlugins, MorphRapierPlugin));
     }),
     ("in a schedule within the fixed ones", |app| {
         own_in_fixed_update(app);
-        app.add_plugins((Rapier::default().in_schedule(Own), MorphPlugins));
+        app.add_plugins((Rapier::default().in_schedule(Own), MorphPlugins, MorphRapierPlugin));
     }),
     ("in a schedule of the main loop", |app| {
         app.init_schedule(Own);
         app.world_mut()
             .resource_mut::<MainScheduleOrder>()
             .insert_after(Update, Own);
-        app.add_plugins((MorphPlugins, Rapier::default().in_schedule(Own)));
+        app.add_plugins((MorphPlugins, MorphRapierPlugin, Rapier::default().in_schedule(Own)));
     }),
     ("single plugins, named schedule", |app| {
         app.add_plugins((
-            MorphRapierPlugin::new(FixedUpdate),
+            MorphRapierPlugin.in_schedule(FixedUpdate),
             MorphCollisionPlugin,
             Rapier::default().in_fixed_schedule(),
         ));
@@ -97,10 +102,14 @@ const SETUPS: &[Setup] = &[
     ("systems added by hand, before", |app| {
         app.add_plugins(Rapier::default().with_default_system_setup(false));
         set_up_by_hand(app, FixedUpdate);
-        app.add_plugins(MorphPlugins);
+        app.add_plugins((MorphPlugins, MorphRapierPlugin));
     }),
     ("systems added by hand, after", |app| {
-        app.add_plugins((Rapier::default().with_default_system_setup(false), MorphPlugins));
+        app.add_plugins((
+            Rapier::default().with_default_system_setup(false),
+            MorphPlugins,
+            MorphRapierPlugin,
+        ));
         set_up_by_hand(app, FixedPostUpdate);
     }),
 ];
@@ -146,13 +155,13 @@ fn it_works_in_any_schedule_and_in_any_order() {
 fn a_wrong_schedule_is_put_right_and_the_log_says_what_to_write() {
     Errors::collect(|errors| {
         let (app, _, ball) = ball_on_a_sheet(|app| {
-            let wrong = MorphRapierPlugin::new(PostUpdate);
-            app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins.set(wrong)));
+            let wrong = MorphRapierPlugin.in_schedule(PostUpdate);
+            app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins, wrong));
         });
         assert!((place(&app, ball).y - 0.5).abs() < 1e-2);
         let said = errors.take_warnings();
         assert_eq!(said.len(), 1, "{said:?}");
-        assert!(said[0].contains("write MorphRapierPlugin::default()"), "{said:?}");
+        assert!(said[0].contains("write MorphRapierPlugin alone"), "{said:?}");
         assert!(said[0].contains("FixedUpdate"), "{said:?}");
     });
 }
@@ -162,48 +171,52 @@ type Broken = (&'static str, fn(&mut App), &'static str);
 
 const BROKEN: &[Broken] = &[
     (
-        "the group without Rapier",
+        "neither Rapier nor the plugin for it",
         |app| {
             app.add_plugins(MorphPlugins);
         },
-        "RapierPhysicsPlugin::<NoUserData>::default()",
+        "MorphRapierPlugin",
     ),
     (
         "no plugin for Rapier",
         |app| {
             app.add_plugins((Rapier::default(), MorphCollisionPlugin));
         },
-        "MorphRapierPlugin::default()",
+        "MorphRapierPlugin",
     ),
     (
         "the single plugin without Rapier",
         |app| {
-            app.add_plugins((MorphRapierPlugin::default(), MorphCollisionPlugin));
+            app.add_plugins((MorphRapierPlugin, MorphCollisionPlugin));
         },
         "RapierPhysicsPlugin",
     ),
     (
         "without collisions",
         |app| {
-            app.add_plugins((Rapier::default(), MorphRapierPlugin::default()));
+            app.add_plugins((Rapier::default(), MorphRapierPlugin));
         },
         "MorphCollisionPlugin",
     ),
     (
         "Rapier's systems nowhere",
         |app| {
-            app.add_plugins((Rapier::default().with_default_system_setup(false), MorphPlugins));
+            app.add_plugins((
+                Rapier::default().with_default_system_setup(false),
+                MorphPlugins,
+                MorphRapierPlugin,
+            ));
         },
-        "MorphRapierPlugin::new(FixedUpdate)",
+        "MorphRapierPlugin.in_schedule(FixedUpdate)",
     ),
     (
         "Rapier's systems twice",
         |app| {
             app.add_plugins(Rapier::default());
             set_up_by_hand(app, FixedUpdate);
-            app.add_plugins(MorphPlugins);
+            app.add_plugins((MorphPlugins, MorphRapierPlugin));
         },
-        "MorphRapierPlugin::new(FixedUpdate)",
+        "MorphRapierPlugin.in_schedule(FixedUpdate)",
     ),
 ];
 

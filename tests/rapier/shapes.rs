@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::generated::{random, rigid};
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
@@ -183,7 +184,7 @@ fn a_collider_that_is_not_asked_into_physics_any_more_has_nothing_there() {
     assert!(app.world().entity(mesh).contains::<Collider>());
     assert_eq!(population(&mut app), (0, 1));
     assert_eq!(below(&mut app, 0.1, 0.2).map(|(entity, _)| entity), Some(mesh));
-    app.world_mut().entity_mut(mesh).remove::<MorphRapierCollider>();
+    app.world_mut().entity_mut(mesh).remove::<MorphPhysicsCollider>();
     // At once and for good, although it is still a collider of the collision plugin.
     assert!(!app.world().entity(mesh).contains::<Collider>());
     run(&mut app, 3);

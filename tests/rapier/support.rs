@@ -8,8 +8,8 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphRapierDiagnostics;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet};
 use bevy_rapier3d::prelude::*;
@@ -32,7 +32,7 @@ pub(crate) fn spawn(app: &mut App, mesh: &MorphMesh, more: impl Bundle) -> Entit
     let weights = MeshMorphWeights::Value {
         weights: vec![0.0; mesh.targets.len()],
     };
-    let collider = MorphRapierCollider::default();
+    let collider = MorphPhysicsCollider::default();
     app.world_mut().spawn((Mesh3d(handle), weights, collider, more)).id()
 }
 
@@ -57,8 +57,8 @@ pub(crate) fn run(app: &mut App, frames: usize) {
     }
 }
 
-pub(crate) fn diagnostics(app: &App) -> MorphRapierDiagnostics {
-    *app.world().resource::<MorphRapierDiagnostics>()
+pub(crate) fn diagnostics(app: &App) -> MorphPhysicsDiagnostics {
+    *app.world().resource::<MorphPhysicsDiagnostics>()
 }
 
 /// The numbers of bodies and colliders in Rapier.

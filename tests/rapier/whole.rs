@@ -6,6 +6,7 @@ use std::path::Path;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::headless;
@@ -92,7 +93,7 @@ fn contact_forces_are_those_of_the_whole_surface() {
 #[derive(bevy::ecs::system::SystemParam)]
 struct Falls<'w, 's> {
     marked: Query<'w, 's, Entity, With<Name>>,
-    surfaces: Query<'w, 's, Entity, With<MorphRapierCollider>>,
+    surfaces: Query<'w, 's, Entity, With<MorphPhysicsCollider>>,
 }
 
 impl BevyPhysicsHooks for Falls<'_, '_> {
@@ -106,7 +107,7 @@ impl BevyPhysicsHooks for Falls<'_, '_> {
 
 fn hooked_app(substeps: usize) -> App {
     let mut app = headless(Path::new("."));
-    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin::default()))
+    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin))
         .insert_resource(TimestepMode::Fixed { dt: DT, substeps });
     start(&mut app);
     app

@@ -5,6 +5,7 @@ use std::path::Path;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use image::RgbImage;
 use morph_collision_workspace::character::{Dart, HandOnFace, Tally};
 use morph_collision_workspace::heaving::{Falling, Game, Player};

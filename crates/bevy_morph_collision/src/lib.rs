@@ -104,10 +104,14 @@
 //!
 //! ## Let physics feel the mesh
 //!
-//! - `MorphRapierCollider` and `MorphRapierPlugin` (feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d`
-//!   collide with the surface.
-//! - `MorphAvianCollider` and `MorphAvianPlugin` (feature `avian`): so do rigid bodies of `avian3d`. `MorphAvianCarry` carries
-//!   characters that use Avian's `MoveAndSlide`.
+//! Two other crates connect physics engines, with the same components: `MorphPhysicsCollider` for one mesh, `MorphPhysicsScene` for the
+//! deforming meshes of a scene.
+//!
+//! - `bevy_morph_rapier` has `MorphRapierPlugin`: rigid bodies and character controllers of `bevy_rapier3d` collide with the surface.
+//! - `bevy_morph_avian` has `MorphAvianPlugin`: so do rigid bodies of `avian3d`. `MorphAvianCarry` carries characters that use Avian's
+//!   `MoveAndSlide`.
+//!
+//! [`physics_api`] is for crates that connect another engine.
 //!
 //! ## Wait until everything is ready
 //!
@@ -170,7 +174,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugins > misuse > rapier, avian > physics > bounds, surface > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
+//! plugins, physics_api > misuse > bounds, surface > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
 //!     > state > import, contacts > components, app
 //! ```
 #![forbid(unsafe_code)]
@@ -180,8 +184,6 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;
-#[cfg(feature = "avian")]
-mod avian;
 pub mod bounds;
 mod broad_phase;
 pub mod components;
@@ -191,31 +193,16 @@ pub mod events;
 pub mod import;
 mod misuse;
 pub mod narrow_phase;
-// Each engine uses only part of it.
-#[cfg(any(feature = "rapier", feature = "avian"))]
-#[cfg_attr(not(all(feature = "rapier", feature = "avian")), allow(dead_code))]
-mod physics;
+pub mod physics_api;
 pub mod plugins;
 mod posing;
-#[cfg(feature = "rapier")]
-mod rapier;
 pub mod self_collisions;
 pub mod setup;
 pub mod spatial;
 pub mod state;
 pub mod surface;
 
-#[cfg(feature = "avian")]
-pub use avian::{
-    MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
-    MorphAvianScene, MorphAvianSystems, MorphAvianVelocity,
-};
 pub use morph_collision;
-#[cfg(feature = "rapier")]
-pub use rapier::{
-    MorphCharacterCarry, MorphCharacterGround, MorphQueryDispatcher, MorphRapierCollider, MorphRapierDiagnostics,
-    MorphRapierPlugin, MorphRapierScene, MorphRapierSystems, MorphRapierVelocity, MorphSurface,
-};
 
 /// Everything that an app using the plugin usually names.
 pub mod prelude {
@@ -247,19 +234,9 @@ pub mod prelude {
     pub use crate::surface::MorphSurfaceAnchor;
     #[cfg(feature = "picking")]
     pub use crate::surface::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
-    #[cfg(feature = "avian")]
-    pub use crate::{
-        MorphAvianCarry, MorphAvianCollider, MorphAvianDiagnostics, MorphAvianGround, MorphAvianPart, MorphAvianPlugin,
-        MorphAvianScene, MorphAvianVelocity,
-    };
-    #[cfg(feature = "rapier")]
-    pub use crate::{
-        MorphCharacterCarry, MorphCharacterGround, MorphRapierCollider, MorphRapierDiagnostics, MorphRapierPlugin,
-        MorphRapierScene, MorphRapierVelocity,
-    };
 }
 
-/// Compiles the README's snippets; two of them need the physics engines.
-#[cfg(all(doctest, feature = "rapier", feature = "avian"))]
+/// Compiles the README's snippets.
+#[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

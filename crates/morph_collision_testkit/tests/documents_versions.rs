@@ -77,6 +77,9 @@ fn the_changelog_and_all_manifests_name_one_version() -> Outcome {
         "morph_collision",
         "bevy_morph_collision",
         "morph_collision_models",
+        "bevy_morph_physics",
+        "bevy_morph_rapier",
+        "bevy_morph_avian",
         "morph_collision_testkit",
         "morph_collision_cli",
     ] {
@@ -113,6 +116,9 @@ fn the_tables_of_versions_are_true() -> Outcome {
         "crates/morph_collision/README.md",
         "crates/bevy_morph_collision/README.md",
         "crates/morph_collision_models/README.md",
+        "crates/bevy_morph_physics/README.md",
+        "crates/bevy_morph_rapier/README.md",
+        "crates/bevy_morph_avian/README.md",
         "crates/morph_collision_cli/README.md",
     ];
     for path in readmes {
@@ -134,7 +140,13 @@ fn versions_to_type_are_true() -> Outcome {
     let versions = manifest()?;
     let own = &versions["workspace"];
     let mut typed = 0;
-    for path in ["README.md", "crates/bevy_morph_collision/README.md"] {
+    let readmes = [
+        "README.md",
+        "crates/bevy_morph_collision/README.md",
+        "crates/bevy_morph_rapier/README.md",
+        "crates/bevy_morph_avian/README.md",
+    ];
+    for path in readmes {
         let text = read(path)?;
         for word in text
             .lines()
@@ -151,18 +163,20 @@ fn versions_to_type_are_true() -> Outcome {
     }
     assert!(typed >= 6, "{typed} versions in commands");
     let mut programs = 0;
-    for entry in fs::read_dir(root().join("crates/bevy_morph_collision/examples"))? {
-        let path = entry?.path();
-        let text = fs::read_to_string(&path)?;
-        let Some(version) = quoted_after(&text, "bevy_morph_collision = { version") else {
-            continue;
-        };
-        assert!(
-            is_short_for(version, own),
-            "{}: {version}, but it is {own}",
-            path.display()
-        );
-        programs += 1;
+    for crate_name in ["bevy_morph_rapier", "bevy_morph_avian"] {
+        for entry in fs::read_dir(root().join(format!("crates/{crate_name}/examples")))? {
+            let path = entry?.path();
+            let text = fs::read_to_string(&path)?;
+            let Some(version) = quoted_after(&text, &format!("{crate_name} = ")) else {
+                continue;
+            };
+            assert!(
+                is_short_for(version, own),
+                "{}: {version}, but it is {own}",
+                path.display()
+            );
+            programs += 1;
+        }
     }
     assert!(programs >= 2, "{programs} programs name the version");
     let models = read("crates/morph_collision_models/README.md")?;

@@ -6,6 +6,7 @@ use std::time::Duration;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use serde::Serialize;
 
 use super::{Dart, HandOnFace, Tally};
@@ -50,7 +51,7 @@ impl Report {
         self.frames += 1;
         let tally = app.world().resource::<Tally>().clone();
         (self.rays, self.hits, self.kicks) = (tally.rays, tally.hits, tally.kicks);
-        let parts = app.world().resource::<MorphRapierDiagnostics>().parts;
+        let parts = app.world().resource::<MorphPhysicsDiagnostics>().parts;
         self.most_parts = self.most_parts.max(parts);
         let look = |darts: Query<(&MorphSurfaceAnchor, &GlobalTransform), With<Dart>>,
                     touching: Query<&HandOnFace>,

@@ -4,7 +4,8 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::surface::MorphPick;
+use bevy_morph_collision::{MorphPick, MorphTrees};
+use bevy_morph_rapier::prelude::*;
 
 use super::{Character, Crate, Dart, GROUND, HALF, HandOnFace, Moment, Skin, Tally};
 use crate::view::clock::{Clock, Pending};
@@ -121,7 +122,7 @@ fn stick_dart(click: On<PointerClick>, clicks: Clicks, skins: Query<(), With<Ski
 
 fn tell(
     tally: Res<Tally>,
-    diagnostics: Res<MorphRapierDiagnostics>,
+    diagnostics: Res<MorphPhysicsDiagnostics>,
     touching: Query<&HandOnFace>,
     mut notes: ResMut<Notes>,
 ) {

@@ -1,7 +1,7 @@
 //! A small game, set up as a game would do it: a heaving hill, a player who walks on it, and balls and boxes that rain on both.
 //!
 //! The hill is a glTF file. Bevy's animation player plays its weights from the file's own clip, once a frame. Physics runs in
-//! `FixedUpdate`, 64 times a second, independently of the frame rate. One `MorphRapierScene` on the scene's root connects the
+//! `FixedUpdate`, 64 times a second, independently of the frame rate. One `MorphPhysicsScene` on the scene's root connects the
 //! two.
 //!
 //! - `hill`: the file, its placement and its clip.
@@ -21,6 +21,7 @@ mod tally;
 use std::path::PathBuf;
 
 use bevy::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 
 pub use hill::{Hill, MODEL};

@@ -3,6 +3,7 @@
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 
 use super::{Falling, Form, GROUND, HALF_SEGMENT, Hill, Player, RADIUS, Tally, Wish};
 use crate::view::clock::{PauseKey, Pending, is_typing};
@@ -166,7 +167,7 @@ fn turn(mut figures: Query<(&mut Smooth, &ChildOf), With<Figure>>, players: Quer
 }
 
 fn tell(
-    diagnostics: Res<MorphRapierDiagnostics>,
+    diagnostics: Res<MorphPhysicsDiagnostics>,
     bodies: Query<(), With<Falling>>,
     grounds: Query<(&Player, &MorphCharacterGround)>,
     tally: Res<Tally>,

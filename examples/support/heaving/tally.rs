@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
 
@@ -51,7 +52,7 @@ pub(super) fn follow_the_player(
 /// Finds bodies whose centres went through the hill's physics surface, or that the hill has risen above.
 pub(super) fn follow_the_rain(
     mut bodies: Query<(&Transform, &mut Falling)>,
-    surfaces: Query<(), With<MorphRapierCollider>>,
+    surfaces: Query<(), With<MorphPhysicsCollider>>,
     context: ReadRapierContext,
 ) {
     let Ok(context) = context.single() else { return };

@@ -16,8 +16,8 @@ use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_morph_collision::import::MorphTrees;
-use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::generated::rigid;
 use morph_collision_models::mesh::MorphMesh;
@@ -47,7 +47,7 @@ fn app_with_steps(assets: &Path, unit: f32, dt: f32, plugin: impl Plugin) -> App
     let mut app = crate::app::headless(assets);
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default().with_length_unit(unit),
-        MorphRapierPlugin::default(),
+        MorphRapierPlugin,
     ))
     .insert_resource(TimestepMode::Fixed { dt, substeps: 1 })
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(dt)))

@@ -6,6 +6,7 @@ use std::path::Path;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::plugin::context::RapierContextColliders;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
@@ -17,7 +18,7 @@ use super::{app_with_steps, bevy_mesh, body, state};
 /// A way to make a morphing mesh collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// [`MorphRapierCollider`].
+    /// [`MorphPhysicsCollider`].
     Ours,
     /// Blends every vertex and calls `set_vertices` on Rapier's own copy of a `TriMesh`, in place. Parry may reuse old contacts.
     InPlace,
@@ -52,7 +53,7 @@ impl Method {
 impl Engine for Method {
     fn name(&self) -> &'static str {
         match self {
-            Self::Ours => "`MorphRapierCollider`",
+            Self::Ours => "`MorphPhysicsCollider`",
             Self::InPlace => "`set_vertices` in place",
             Self::Deformable => "the same, `DEFORMABLE`",
             Self::Smooth => "the same, `DEFORMABLE` and `FIX_INTERNAL_EDGES_TWO_SIDED`",
@@ -151,7 +152,7 @@ impl<'a> Surface<'a> {
                 world.spawn((
                     Mesh3d(asset.clone()),
                     MeshMorphWeights::Value { weights },
-                    MorphRapierCollider::default(),
+                    MorphPhysicsCollider::default(),
                     place,
                 ))
             }

@@ -1,27 +1,35 @@
-//! Components of physics engines without the engine. With it, see the tests `rapier` and `avian`.
+//! Components for physics without a physics engine. With one, see the tests of the crates for engines.
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
+use bevy_morph_physics::prelude::*;
 
 use super::{says, warning_about};
 use crate::support::{add_mesh, cube};
 
 #[test]
-fn components_of_a_physics_engine_that_is_missing_are_told_once() {
+fn components_for_physics_without_an_engine_are_told_once() {
     let warning = warning_about(|app| {
         let mesh = add_mesh(app, &cube());
         for _ in 0..5 {
             app.world_mut()
-                .spawn((Mesh3d(mesh.clone()), MorphRapierCollider::default()));
+                .spawn((Mesh3d(mesh.clone()), MorphPhysicsCollider::default()));
         }
     });
     says(
         &warning,
-        &["`MorphRapierCollider`", "the app lacks `RapierPhysicsPlugin`"],
+        &["`MorphPhysicsCollider`", "MorphRapierPlugin", "MorphAvianPlugin"],
     );
     let warning = warning_about(|app| {
         let mesh = add_mesh(app, &cube());
-        app.world_mut().spawn((Mesh3d(mesh), MorphAvianCollider::default()));
+        let scene = app
+            .world_mut()
+            .spawn((Name::new("Scene"), MorphPhysicsScene::default()))
+            .id();
+        app.world_mut().spawn((
+            Mesh3d(mesh),
+            bevy::mesh::morph::MeshMorphWeights::default(),
+            ChildOf(scene),
+        ));
     });
-    says(&warning, &["`MorphAvianCollider`", "the app lacks `PhysicsPlugins`"]);
+    says(&warning, &["`MorphPhysicsScene`", "`Scene`", "MorphRapierPlugin"]);
 }

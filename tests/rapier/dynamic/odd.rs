@@ -3,6 +3,7 @@
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{DT, bevy_mesh, body, settle};
 
@@ -216,7 +217,7 @@ fn it_may_go_while_it_morphs() {
     type Change = fn(&mut App, Entity);
     let changes: [Change; 7] = [
         |app, entity| _ = app.world_mut().despawn(entity),
-        |app, entity| _ = app.world_mut().entity_mut(entity).remove::<MorphRapierCollider>(),
+        |app, entity| _ = app.world_mut().entity_mut(entity).remove::<MorphPhysicsCollider>(),
         |app, entity| _ = app.world_mut().entity_mut(entity).insert(MorphColliderDisabled),
         |app, entity| _ = app.world_mut().entity_mut(entity).insert(RigidBodyDisabled),
         |app, entity| {
@@ -364,7 +365,7 @@ fn a_body_that_slept_before_its_surface_came_falls_and_holds() {
     let parts = app.world_mut().entity_mut(surface).take::<(Mesh3d, MeshMorphWeights)>();
     app.world_mut()
         .entity_mut(early)
-        .insert((parts.unwrap(), MorphRapierCollider::default()));
+        .insert((parts.unwrap(), MorphPhysicsCollider::default()));
     app.world_mut().despawn(surface);
     settle(&mut app);
     run(&mut app, 60);

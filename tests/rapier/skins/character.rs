@@ -8,6 +8,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::parry::shape::TriMesh;
@@ -45,7 +46,7 @@ impl Stage {
         let file = character()?;
         let mut app = physics::app_in_unit(file.parent().unwrap(), unit, |_: &mut App| {});
         run_here(&mut app);
-        let collider = MorphRapierCollider::default();
+        let collider = MorphPhysicsCollider::default();
         let player = Player::spawn(&mut app, &file, clip, 0.1 * unit, collider).expect("the model can be loaded");
         run(&mut app, 5);
         Some(Self { app, player })
@@ -218,7 +219,7 @@ fn balls_that_fall_on_it_stay_outside_and_only_what_is_near_them_is_there() {
         stage
             .app
             .world()
-            .get::<MorphRapierCollider>(stage.player.surface)
+            .get::<MorphPhysicsCollider>(stage.player.surface)
             .is_some()
     );
 }

@@ -18,6 +18,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
 use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};
 use morph_collision_models::skeleton::Skeleton;
@@ -105,7 +106,7 @@ impl Arm {
             joints: joints.to_vec(),
         };
         let weights = MeshMorphWeights::Value { weights: vec![0.0] };
-        let bundle = (Mesh3d(shown), weights, skin, MorphRapierCollider::default(), more);
+        let bundle = (Mesh3d(shown), weights, skin, MorphPhysicsCollider::default(), more);
         let surface = world.spawn(bundle).id();
         Self { mesh, surface, joints }
     }

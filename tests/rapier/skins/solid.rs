@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::prelude::*;
@@ -15,7 +16,7 @@ fn what_is_inside_a_solid_limb_is_driven_out_and_seen() {
     for mirrored in [false, true] {
         let scale = if mirrored { Vec3::new(1.0, -1.0, 1.0) } else { Vec3::ONE };
         let (mut app, arm) = app_with_arm();
-        let solid = MorphRapierCollider {
+        let solid = MorphPhysicsCollider {
             solid: true,
             ..default()
         };

@@ -5,6 +5,7 @@ mod sides;
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_models::mesh::MorphMesh;
@@ -12,7 +13,7 @@ use morph_collision_workspace::physics::{DT, body, settle};
 
 use crate::support::{app, place, run, set_weights, slab, spawn, velocity};
 
-const SOLID: MorphRapierCollider = MorphRapierCollider {
+const SOLID: MorphPhysicsCollider = MorphPhysicsCollider {
     max_acceleration: 100.0,
     solid: true,
 };
@@ -29,7 +30,7 @@ fn with_slab(half: Vec3, solid: bool, more: impl Bundle) -> (App, Entity) {
     let slab = spawn(&mut app, &slab(half), more);
     app.world_mut()
         .entity_mut(slab)
-        .insert(MorphRapierCollider { solid, ..SOLID });
+        .insert(MorphPhysicsCollider { solid, ..SOLID });
     settle(&mut app);
     (app, slab)
 }
@@ -207,7 +208,7 @@ fn snap(solid: bool) -> (usize, f32, Vec3) {
     let jaws = spawn(&mut app, &mesh, ());
     app.world_mut()
         .entity_mut(jaws)
-        .insert(MorphRapierCollider { solid, ..SOLID });
+        .insert(MorphPhysicsCollider { solid, ..SOLID });
     settle(&mut app);
     let ball = body(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.1, 0.05));
     let (mut inside, mut fastest): (usize, f32) = (0, 0.0);
@@ -260,7 +261,7 @@ fn a_surface_that_is_not_solid_is_as_thin_as_ever() {
     let inside = floating(&mut app, Collider::ball(0.2), Vec3::new(1.0, 0.1, 0.05));
     app.world_mut()
         .entity_mut(slab)
-        .insert(MorphRapierCollider { solid: false, ..SOLID });
+        .insert(MorphPhysicsCollider { solid: false, ..SOLID });
     run(&mut app, 30);
     assert_eq!(place(&app, inside), Vec3::new(1.0, 0.1, 0.05));
 }

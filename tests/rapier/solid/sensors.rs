@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle};
 
@@ -42,7 +43,7 @@ fn a_sensor_inside_sees_a_solid_surface() {
         let sees = move |context: &RapierContext| context.intersection_pair(surface, sensor) == Some(true);
         assert_eq!(ask(&mut app, sees), solid);
         // The same if that changes while nothing moves.
-        app.world_mut().entity_mut(surface).insert(MorphRapierCollider {
+        app.world_mut().entity_mut(surface).insert(MorphPhysicsCollider {
             solid: !solid,
             ..default()
         });

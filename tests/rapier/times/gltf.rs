@@ -5,6 +5,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::clip::WeightAnimation;
 use morph_collision_models::gltf::write::{Appearance, write_glb};
@@ -43,7 +44,7 @@ fn a_ball_rises_with_a_clip_in_every_step() {
             let world = app.world_mut();
             let mut meshes = world.query_filtered::<Entity, With<MeshMorphWeights>>();
             let surface = meshes.single(world).expect("there is one mesh");
-            world.entity_mut(surface).insert(MorphRapierCollider::default());
+            world.entity_mut(surface).insert(MorphPhysicsCollider::default());
             settle(&mut app);
             let ball = body(&mut app, Collider::ball(0.5), Vec3::new(0.1, 0.5, 0.05));
             frames(&mut app, Frames::Every(1.0 / 60.0), 60);

@@ -23,6 +23,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::{headless, ready};
 use rand::{RngExt, SeedableRng};
@@ -80,7 +81,7 @@ fn app(assets: &Path, steps: Steps) -> App {
     match steps {
         Steps::Fixed(rate) => {
             let dt = (1.0 / rate) as f32;
-            app.add_plugins((rapier.in_fixed_schedule(), MorphRapierPlugin::new(FixedUpdate)))
+            app.add_plugins((rapier.in_fixed_schedule(), MorphRapierPlugin.in_schedule(FixedUpdate)))
                 .insert_resource(TimestepMode::Fixed { dt, substeps: 1 })
                 .insert_resource(Time::<Fixed>::from_hz(rate))
                 .add_systems(FixedUpdate, watch.after(PhysicsSet::Writeback));
@@ -100,7 +101,7 @@ fn app(assets: &Path, steps: Steps) -> App {
                     substeps: 1,
                 },
             };
-            app.add_plugins((rapier, MorphRapierPlugin::default()))
+            app.add_plugins((rapier, MorphRapierPlugin))
                 .insert_resource(mode)
                 .add_systems(PostUpdate, watch.after(PhysicsSet::Writeback));
         }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle, sheet};
 
@@ -18,7 +19,7 @@ fn on_a_sheet(steps: Steps, lengths: Frames, parent: impl Bundle, collider: Coll
         .spawn((Transform::default(), Visibility::default(), parent))
         .id();
     let surface = spawn(&mut app, &sheet(16), ChildOf(parent));
-    let trusting = MorphRapierCollider {
+    let trusting = MorphPhysicsCollider {
         max_acceleration: f32::INFINITY,
         ..default()
     };

@@ -10,9 +10,11 @@ mod state_of;
 mod suspects;
 mod systems;
 
-pub(crate) use missing::{InGroup, missing};
+pub(crate) use missing::InGroup;
+#[cfg(any(feature = "picking", feature = "gizmos"))]
+pub(crate) use missing::missing;
 pub(crate) use names::Names;
-pub(crate) use schedules::is_fixed;
+pub use schedules::is_fixed;
 pub(crate) use state_of::require_state;
 pub(crate) use suspects::{PATIENCE, Suspects, WarnOnce};
 pub use systems::MorphCollisionSystems;

@@ -4,7 +4,8 @@ use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpd
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 
 /// Whether a schedule runs once per fixed time step.
-pub(crate) fn is_fixed(schedule: InternedScheduleLabel) -> bool {
+#[must_use]
+pub fn is_fixed(schedule: InternedScheduleLabel) -> bool {
     let fixed = [
         FixedFirst.intern(),
         FixedPreUpdate.intern(),

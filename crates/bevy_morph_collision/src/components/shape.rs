@@ -22,7 +22,7 @@ use super::collider::MorphCollider;
 /// On an entity that also has a [`Mesh3d`], the shape wins: the mesh does not collide, and no tree is built for it. You can add
 /// or remove the shape at any time. After you remove it, the mesh collides as soon as its tree is ready.
 ///
-/// Spatial queries find shapes. Picking, [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor) and `MorphRapierCollider` need a mesh
+/// Spatial queries find shapes. Picking, [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor) and `MorphPhysicsCollider` need a mesh
 /// that collides, so they ignore an entity with a shape. To pick its mesh, use Bevy's `MeshPickingPlugin`.
 ///
 /// Shapes are solid. The [`GlobalTransform`] places them:

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 /// Says that an entity was put somewhere else: it has not moved through what is in between.
 ///
 /// - [Continuous](crate::MorphCollider::continuous) colliders do not sweep through everything in between.
-/// - In physics (`MorphRapierCollider`, `MorphAvianCollider`), a surface pushes out what it overlaps at its new place, but throws and
+/// - In physics (`MorphPhysicsCollider`), a surface pushes out what it overlaps at its new place, but throws and
 ///   carries nothing.
 ///
 /// Insert it in the frame in which you move the entity:

@@ -143,8 +143,7 @@ impl MorphTrees {
     }
 
     /// Calls `work` with every new tree, in the background and before anyone gets the tree.
-    #[cfg(any(feature = "rapier", feature = "avian"))]
-    pub(crate) fn on_built(&mut self, work: impl Fn(&Arc<MorphBvh>) + Send + Sync + 'static) {
+    pub fn on_built(&mut self, work: impl Fn(&Arc<MorphBvh>) + Send + Sync + 'static) {
         self.background.on_built.push(Arc::new(work));
     }
 

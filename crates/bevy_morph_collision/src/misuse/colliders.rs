@@ -1,6 +1,5 @@
 //! Colliders without a mesh, and components that need a collider.
 
-use super::physics;
 use super::subject::{Around, SubjectItem};
 use super::verdict::Verdict;
 use crate::app::WarnOnce;
@@ -23,8 +22,8 @@ pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &
 /// A collider that has nothing to collide with.
 fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let entity = subject.entity;
-    let (component, scene, has_scene) = match physics::collider_of(subject) {
-        Some((component, scene, has_scene)) => (component, scene, has_scene),
+    let (component, scene, has_scene) = match around.others.of(subject) {
+        Some(other) => (other.name, other.scene_name, other.has_scene(subject)),
         None => ("MorphCollider", "MorphColliderScene", subject.scene.is_some()),
     };
     let name = || around.name(entity);
@@ -62,7 +61,7 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut 
 /// Components that ask something of a mesh that does not collide.
 fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
     let entity = subject.entity;
-    let physics = physics::collider_of(subject).map(|(component, ..)| component);
+    let physics = around.others.of(subject).map(|other| other.name);
     let is_continuous = subject.collider.is_some_and(|collider| collider.continuous);
     let without_effect = [
         (

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::subject::Around;
 use super::verdict::{FRAME, Verdict};
-use super::{anchors, bodies, colliders, physics, scenes};
+use super::{anchors, bodies, colliders, scenes};
 use crate::app::Suspects;
 
 pub(super) fn any_suspects(suspects: Res<Suspects>) -> bool {
@@ -20,7 +20,6 @@ pub(super) fn check_suspects(mut suspects: ResMut<Suspects>, around: Around, tim
         };
         let log = suspects.log();
         let verdicts = [
-            physics::check(&subject, &around, log),
             colliders::check(&subject, &around, is_new, log),
             bodies::check(&subject, &around, is_new, log),
             scenes::check(&subject, &around, is_new, log),

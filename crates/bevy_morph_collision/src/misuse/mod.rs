@@ -10,7 +10,7 @@
 //! - `bodies`: components that need a body.
 //! - `scenes`: scenes without parts.
 //! - `anchors`: anchors that follow nothing.
-//! - `physics`: components of physics engines that the app does not have.
+//! - `physics`: components of other crates that make an entity a collider, such as the one for physics engines.
 //! - `meshes`: meshes that never come, or whose joint weights are odd.
 
 use crate::components::MorphTreeOptions;
@@ -38,6 +38,8 @@ use crate::self_collisions::MorphSelfCollisions;
 use crate::setup::report_outcomes;
 use crate::surface::MorphSurfaceAnchor;
 
+pub use physics::note_collider_component;
+
 /// Components whose entity is looked at when they are added. Scenes are noted when they change.
 type Watched = (
     MorphCollider,
@@ -55,6 +57,7 @@ type Watched = (
 /// Adds the checks to an app.
 pub(crate) fn add(app: &mut App) {
     app.init_resource::<Suspects>()
+        .init_resource::<physics::ColliderComponents>()
         .add_observer(|added: On<Add<Watched>>, mut suspects: ResMut<Suspects>| suspects.note(added.entity))
         // What an anchor follows may change.
         .add_observer(
@@ -62,7 +65,6 @@ pub(crate) fn add(app: &mut App) {
                 suspects.note(inserted.entity);
             },
         );
-    physics::watch(app);
     app.add_systems(
         PostUpdate,
         (

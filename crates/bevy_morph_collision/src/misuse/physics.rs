@@ -1,74 +1,56 @@
-//! Components for physics engines that the app does not have.
+//! Components of other crates that make an entity a collider, such as the one for physics engines.
 
+use bevy::ecs::component::ComponentId;
 use bevy::prelude::*;
 
-use super::subject::{Around, SubjectItem};
-use super::verdict::Verdict;
-use crate::app::WarnOnce;
+use super::subject::SubjectItem;
+use crate::app::Suspects;
 
-/// Notes entities that get a component of a physics engine.
-pub(super) fn watch(app: &mut App) {
-    #[cfg(feature = "rapier")]
-    note_when_added::<(crate::MorphRapierCollider, crate::MorphRapierScene)>(app);
-    #[cfg(feature = "avian")]
-    note_when_added::<(crate::MorphAvianCollider, crate::MorphAvianScene)>(app);
-    #[cfg(not(any(feature = "rapier", feature = "avian")))]
-    let _no_engine = app;
+/// A component that makes the mesh of an entity a collider, and the one that does the same for a scene.
+pub(super) struct ColliderComponent {
+    collider: ComponentId,
+    scene: ComponentId,
+    pub(super) name: &'static str,
+    pub(super) scene_name: &'static str,
 }
 
-#[cfg(any(feature = "rapier", feature = "avian"))]
-fn note_when_added<B: Bundle>(app: &mut App) {
-    app.add_observer(|added: On<Add<B>>, mut suspects: ResMut<super::Suspects>| suspects.note(added.entity));
+/// Such components of other crates.
+#[derive(Resource, Default)]
+pub(super) struct ColliderComponents(Vec<ColliderComponent>);
+
+impl ColliderComponents {
+    /// The first one that an entity has.
+    pub(super) fn of(&self, subject: &SubjectItem) -> Option<&ColliderComponent> {
+        self.0
+            .iter()
+            .find(|component| subject.archetype.contains(component.collider))
+    }
 }
 
-/// The component that makes an entity a collider of a physics engine, the one for scenes, and whether the entity has that, too.
-#[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
-pub(super) fn collider_of(subject: &SubjectItem) -> Option<(&'static str, &'static str, bool)> {
-    #[cfg(feature = "rapier")]
-    if let (true, has_scene) = subject.rapier {
-        return Some(("MorphRapierCollider", "MorphRapierScene", has_scene));
+impl ColliderComponent {
+    /// Whether an entity has the component for scenes.
+    pub(super) fn has_scene(&self, subject: &SubjectItem) -> bool {
+        subject.archetype.contains(self.scene)
     }
-    #[cfg(feature = "avian")]
-    if let (true, has_scene) = subject.avian {
-        return Some(("MorphAvianCollider", "MorphAvianScene", has_scene));
-    }
-    None
 }
 
-/// Warns of components for a physics engine that the app, or this crate's plugin for it, lacks.
-#[cfg_attr(not(any(feature = "rapier", feature = "avian")), allow(unused_variables))]
-pub(super) fn check(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) -> Verdict {
-    #[cfg(feature = "rapier")]
-    if let Some(plugin) = around.rapier.plugin() {
-        let components = ["MorphRapierCollider", "MorphRapierScene"];
-        warn_of(subject.rapier, components, plugin, (subject, around), log);
+/// From now on, warns if the component `C`, which makes the mesh of an entity a collider, has no effect on its entity. `S` is the one for
+/// scenes.
+pub fn note_collider_component<C: Component, S: Component>(app: &mut App) {
+    fn short_name<T>() -> &'static str {
+        std::any::type_name::<T>().rsplit("::").next().unwrap_or_default()
     }
-    #[cfg(feature = "avian")]
-    if let Some(plugin) = around.avian.plugin() {
-        let components = ["MorphAvianCollider", "MorphAvianScene"];
-        warn_of(subject.avian, components, plugin, (subject, around), log);
+    let world = app.world_mut();
+    let (collider, scene) = (world.register_component::<C>(), world.register_component::<S>());
+    let mut known = world.get_resource_or_init::<ColliderComponents>();
+    if known.0.iter().any(|component| component.collider == collider) {
+        return;
     }
-    Verdict::Done
-}
-
-#[cfg(any(feature = "rapier", feature = "avian"))]
-fn warn_of(
-    (collider, scene): (bool, bool),
-    names: [&'static str; 2],
-    [plugin, value]: [&str; 2],
-    (subject, around): (&SubjectItem, &Around),
-    log: &mut WarnOnce,
-) {
-    let component = match (collider, scene) {
-        (_, true) => names[1],
-        (true, false) => names[0],
-        (false, false) => return,
-    };
-    // The app lacks it, whichever entity shows that first.
-    log.warn(names[0], String::new(), || {
-        let name = around.name(subject.entity);
-        format!(
-            "`{component}` has no effect on entity {name}, because the app lacks `{plugin}`: write app.add_plugins({value})"
-        )
+    known.0.push(ColliderComponent {
+        collider,
+        scene,
+        name: short_name::<C>(),
+        scene_name: short_name::<S>(),
     });
+    app.add_observer(|added: On<Add<(C, S)>>, mut suspects: ResMut<Suspects>| suspects.note(added.entity));
 }

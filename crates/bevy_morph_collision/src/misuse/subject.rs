@@ -1,5 +1,6 @@
 //! The components of one entity, and what is around it.
 
+use bevy::ecs::archetype::Archetype;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::{Allow, QueryData};
 use bevy::ecs::system::SystemParam;
@@ -7,6 +8,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
+use super::physics::ColliderComponents;
 use crate::app::Names;
 use crate::components::MorphTreeOptions;
 use crate::components::{
@@ -39,10 +41,8 @@ pub(super) struct Subject {
     pub(super) parts: Has<MorphColliders>,
     pub(super) body_root: Has<MorphBodyRoot>,
     pub(super) teleported: Has<MorphTeleported>,
-    #[cfg(feature = "rapier")]
-    pub(super) rapier: (Has<crate::MorphRapierCollider>, Has<crate::MorphRapierScene>),
-    #[cfg(feature = "avian")]
-    pub(super) avian: (Has<crate::MorphAvianCollider>, Has<crate::MorphAvianScene>),
+    /// Tells which components of other crates it has.
+    pub(super) archetype: &'static Archetype,
 }
 
 /// What is around an entity.
@@ -55,10 +55,7 @@ pub(super) struct Around<'w, 's> {
     pub(super) names: Names<'w, 's>,
     pub(super) trees: Res<'w, MorphTrees>,
     pub(super) settings: Res<'w, MorphCollisionSettings>,
-    #[cfg(feature = "rapier")]
-    pub(super) rapier: crate::physics::engine::Lacking<'w, crate::rapier::Rapier>,
-    #[cfg(feature = "avian")]
-    pub(super) avian: crate::physics::engine::Lacking<'w, crate::avian::Avian>,
+    pub(super) others: Res<'w, ColliderComponents>,
 }
 
 impl Around<'_, '_> {

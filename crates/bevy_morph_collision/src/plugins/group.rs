@@ -16,8 +16,6 @@ use crate::bounds::MorphBoundsPlugin;
 /// | `picking` | `MorphPickingPlugin` |
 /// | `gizmos` | `MorphGizmosPlugin` |
 /// | `diagnostics` | `MorphCollisionDiagnosticsPlugin` |
-/// | `rapier` | `MorphRapierPlugin` |
-/// | `avian` | `MorphAvianPlugin` |
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -29,9 +27,10 @@ use crate::bounds::MorphBoundsPlugin;
 /// Works in any app, with or without a renderer. Without this group (or [`MorphCollisionPlugin`]), components of this crate have no
 /// effect, and nothing can tell you so. Do not add its plugins a second time: Bevy panics and names the plugin.
 ///
-/// If the counterpart of a plugin is missing (Bevy's picking or gizmos, `RapierPhysicsPlugin`, Avian's `PhysicsPlugins`), that plugin
-/// does nothing. If you then use a component for a physics engine, a warning in the log says what is missing. The physics engine's
-/// plugins may come before or after this group, and may run in any schedule.
+/// If the counterpart of a plugin is missing (Bevy's picking or gizmos), that plugin does nothing.
+///
+/// A physics engine needs one more plugin, `MorphRapierPlugin` of the crate `bevy_morph_rapier` or `MorphAvianPlugin` of
+/// `bevy_morph_avian`. It and the engine's own plugins may come before or after this group, and may run in any schedule.
 ///
 /// You can leave plugins out or replace them, as in any [`PluginGroup`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,10 +64,6 @@ impl PluginGroup for MorphPlugins {
         let group = group.add(crate::debug::MorphGizmosPlugin);
         #[cfg(feature = "diagnostics")]
         let group = group.add(crate::debug::MorphCollisionDiagnosticsPlugin);
-        #[cfg(feature = "rapier")]
-        let group = group.add(crate::rapier::MorphRapierPlugin::default());
-        #[cfg(feature = "avian")]
-        let group = group.add(crate::avian::MorphAvianPlugin::default());
         group
     }
 }

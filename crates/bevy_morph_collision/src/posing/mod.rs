@@ -13,5 +13,6 @@ mod weights;
 pub(crate) use joints::read_joints;
 pub(crate) use lent_poses::LentPoses;
 pub(crate) use previous::remember_previous;
-pub(crate) use skeletons::{BindPoses, Skeletons};
-pub(crate) use weights::{drawn_weights, read_weights, take_weights};
+pub use skeletons::{BindPoses, Skeleton, Skeletons};
+pub(crate) use weights::read_weights;
+pub use weights::{WeightsProblem, drawn_weights, take_weights};

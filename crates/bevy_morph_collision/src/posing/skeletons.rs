@@ -8,11 +8,12 @@ use bevy::prelude::*;
 use morph_collision::{InputError, JointMatrices};
 
 /// Inverse bind poses of all skeletons.
-pub(crate) type BindPoses = Assets<SkinnedMeshInverseBindposes>;
+pub type BindPoses = Assets<SkinnedMeshInverseBindposes>;
 
 /// The skeletons in use. Meshes with the same joints and the same inverse bind poses share a skeleton.
 #[derive(Default)]
-pub(crate) struct Skeletons {
+#[allow(missing_debug_implementations)]
+pub struct Skeletons {
     /// Keyed by bind poses and first joint, which nearly always identifies a skeleton.
     by_start: HashMap<(AssetId<SkinnedMeshInverseBindposes>, Option<Entity>), Vec<Skeleton>>,
     moment: u32,
@@ -21,7 +22,8 @@ pub(crate) struct Skeletons {
 
 /// One skeleton.
 #[derive(Default)]
-pub(crate) struct Skeleton {
+#[allow(missing_debug_implementations)]
+pub struct Skeleton {
     joints: Vec<Entity>,
     /// The last computed matrices, valid or not.
     world_from_mesh: Vec<Affine3A>,
@@ -43,8 +45,8 @@ impl Skeleton {
     }
 
     /// The current matrices; `None` while some are invalid.
-    #[cfg(any(feature = "rapier", feature = "avian"))]
-    pub(crate) fn world_from_mesh(&self) -> Option<&[Affine3A]> {
+    #[must_use]
+    pub fn world_from_mesh(&self) -> Option<&[Affine3A]> {
         self.problem.is_none().then_some(&self.world_from_mesh)
     }
 
@@ -100,7 +102,7 @@ impl Skeleton {
 impl Skeletons {
     /// Begins a new moment, in which every requested skeleton is updated. Drops the skeletons that were not requested since the
     /// last call.
-    pub(crate) fn begin(&mut self) {
+    pub fn begin(&mut self) {
         self.by_start.retain(|_, skeletons| {
             skeletons.retain_mut(|skeleton| std::mem::take(&mut skeleton.is_used));
             !skeletons.is_empty()
@@ -109,14 +111,14 @@ impl Skeletons {
     }
 
     /// Updates skeletons again on their next request, because joints may have moved.
-    pub(crate) fn outdate(&mut self) {
+    pub fn outdate(&mut self) {
         self.moment = self.moment.wrapping_add(1);
     }
 
     /// The skeleton of a mesh. `global_of` returns the global transform of an entity that exists.
     ///
     /// Computes one matrix per joint for the first mesh of a skeleton in each moment.
-    pub(crate) fn of(
+    pub fn of(
         &mut self,
         skin: &SkinnedMesh,
         bind_poses: Option<&BindPoses>,

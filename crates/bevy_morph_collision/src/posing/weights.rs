@@ -15,16 +15,19 @@ use crate::state::{BadWeights, ColliderState, LockedPose, MorphCollisionDiagnost
 
 /// Why weights cannot be used.
 #[derive(Debug, Error)]
-pub(crate) enum WeightsProblem {
+pub enum WeightsProblem {
+    /// They do not fit the mesh, or are not finite.
     #[error(transparent)]
     Refused(#[from] WeightsError),
+    /// Another entity should have them, and has none.
     #[error("entity {0}, which it refers to, has no MorphWeights")]
     NoSource(Entity),
 }
 
 impl WeightsProblem {
     /// Whether the numbers of weights and targets differ, which may happen while both are changed.
-    pub(crate) fn is_count(&self) -> bool {
+    #[must_use]
+    pub fn is_count(&self) -> bool {
         matches!(self, Self::Refused(WeightsError::WrongCount { .. }))
     }
 }
@@ -80,8 +83,11 @@ pub(crate) fn read_weights(
     diagnostics.duration += start.elapsed();
 }
 
-/// Gives a pose the weights with which its mesh is drawn. Returns whether they changed, or what is wrong with them.
-pub(crate) fn take_weights(
+/// Gives a pose the weights with which its mesh is drawn. Returns whether they changed. `rest` is scratch memory.
+///
+/// # Errors
+/// They do not fit the pose, which keeps its own.
+pub fn take_weights(
     pose: &mut Pose,
     weights: Option<&MeshMorphWeights>,
     shared: &Query<&MorphWeights>,
@@ -91,8 +97,11 @@ pub(crate) fn take_weights(
     Ok(pose.set_weights(drawn)?)
 }
 
-/// The weights with which a mesh with `count` targets is drawn. They may be invalid.
-pub(crate) fn drawn_weights<'a>(
+/// The weights with which a mesh with `count` targets is drawn. They may be invalid. `rest` is scratch memory.
+///
+/// # Errors
+/// They belong to another entity that has none.
+pub fn drawn_weights<'a>(
     count: usize,
     weights: Option<&'a MeshMorphWeights>,
     shared: &'a Query<&MorphWeights>,

@@ -38,7 +38,7 @@ pub(crate) use readiness::report_readiness;
 pub use readiness::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
 pub(crate) use scene::update_scene_parts;
 pub(crate) use scene_outcomes::{any_is_open, report_outcomes};
-pub(crate) use scene_part::ScenePart;
+pub use scene_part::ScenePart;
 pub(crate) use scene_state::SceneState;
 pub(crate) use spawned_scenes::SpawnedScenes;
 pub(crate) use trees_plugin::TreesPlugin;

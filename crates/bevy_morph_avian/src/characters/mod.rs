@@ -1,0 +1,7 @@
+//! Characters on surfaces.
+
+mod carry;
+mod shape;
+
+pub use carry::MorphAvianCarry;
+pub(crate) use carry::{Footing, carry, find_ground};

@@ -1,0 +1,13 @@
+//! Rigid motions, boxes, and maps between spaces.
+
+mod isometry;
+mod rigid_motion;
+mod sorted_boxes;
+mod velocities;
+mod world_space;
+
+pub use isometry::{is_rigid, rigid_part};
+pub use rigid_motion::RigidMotion;
+pub use sorted_boxes::SortedBoxes;
+pub use velocities::{between, continuous, fastest, largest};
+pub use world_space::{corners, into_query, joints_in, region, world_bounds};

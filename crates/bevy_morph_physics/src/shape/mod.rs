@@ -1,0 +1,16 @@
+//! A mesh, and some of its triangles, as Parry shapes, which most engines use.
+
+mod inside;
+mod layout;
+mod mass;
+mod patch;
+mod range;
+mod surface;
+mod triangles;
+
+pub use inside::{Probe, is_mirrored, not_closed, one_encloses_other};
+pub use layout::{MeshLayout, MeshLayouts, NONE, add_to_trees};
+pub use patch::{LookAhead, Patch};
+pub use range::{MAX_COORDINATE, Range, box_in_range, check, in_range};
+pub use surface::{MorphSurface, Posed};
+pub use triangles::{Triangles, nowhere, pseudo_normals};

@@ -1,0 +1,90 @@
+//! The values that are recorded in every frame: weights, joints and transforms.
+
+use bevy::math::{Affine3A, DVec3, Vec3};
+
+use crate::math::largest;
+
+/// A value that determines a surface: weights, joints or place.
+pub trait RecordedValue: Clone {
+    /// Whether two values are the same up to rounding.
+    fn is_same(&self, other: &Self) -> bool;
+
+    /// Interpolates linearly to another value.
+    fn interpolated(&self, other: &Self, share: f32) -> Self;
+
+    /// Points that move far if the surface teleports. Empty if the value cannot teleport.
+    fn points(&self) -> Vec<DVec3>;
+}
+
+impl RecordedValue for Vec<f32> {
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn interpolated(&self, other: &Self, share: f32) -> Self {
+        let between = |(a, b): (&f32, &f32)| a + (b - a) * share;
+        self.iter().zip(other).map(between).collect()
+    }
+
+    fn points(&self) -> Vec<DVec3> {
+        Vec::new()
+    }
+}
+
+impl RecordedValue for Affine3A {
+    fn is_same(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn interpolated(&self, other: &Self, share: f32) -> Self {
+        let [a, b] = [self, other].map(Affine3A::to_cols_array);
+        Self::from_cols_array(&std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
+    }
+
+    fn points(&self) -> Vec<DVec3> {
+        vec![Vec3::from(self.translation).as_dvec3()]
+    }
+}
+
+/// Joints in the collider's space, and a point of the mesh, the middle of its bounds.
+#[derive(Clone)]
+pub struct JointSample {
+    /// One for each joint.
+    pub matrices: Vec<Affine3A>,
+    /// The middle of the mesh in its bind pose.
+    pub middle: Vec3,
+}
+
+impl RecordedValue for JointSample {
+    fn is_same(&self, other: &Self) -> bool {
+        let (a, b) = (self.points(), other.points());
+        let size = largest(b.iter().map(|p| p.abs().max_element()));
+        let close = |a: &[f32; 12], b: &[f32; 12]| {
+            let (a, b) = (&a[..9], &b[..9]);
+            // Its scale may be that of another unit of length.
+            let scale = largest(b.iter().map(|b| b.abs()));
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * scale)
+        };
+        // Removing the collider's place leaves rounding errors.
+        a.len() == b.len()
+            && a.iter().zip(&b).all(|(a, b)| a.distance(*b) <= 1e-6 * size)
+            && self
+                .matrices
+                .iter()
+                .zip(&other.matrices)
+                .all(|(a, b)| close(&a.to_cols_array(), &b.to_cols_array()))
+    }
+
+    fn interpolated(&self, other: &Self, share: f32) -> Self {
+        let matrices = self.matrices.iter().zip(&other.matrices);
+        Self {
+            matrices: matrices.map(|(a, b)| a.interpolated(b, share)).collect(),
+            middle: self.middle,
+        }
+    }
+
+    fn points(&self) -> Vec<DVec3> {
+        let middle = |joint: &Affine3A| joint.transform_point3(self.middle).as_dvec3();
+        self.matrices.iter().map(middle).collect()
+    }
+}

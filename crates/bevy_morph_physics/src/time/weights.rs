@@ -1,0 +1,34 @@
+//! Where the weights of a surface come from.
+
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+use bevy_morph_collision::physics_api::{WeightsProblem, drawn_weights, take_weights};
+use morph_collision::Pose;
+
+/// The weights with which a mesh is drawn: its own, or those of the entity that it refers to.
+#[derive(Clone, Copy)]
+pub struct WeightSource<'a> {
+    /// The entity's component. A mesh without it is drawn in its rest pose.
+    pub component: Option<&'a MeshMorphWeights>,
+    /// The weights that meshes of one node share.
+    pub shared: &'a Query<'a, 'a, &'static MorphWeights>,
+}
+
+impl WeightSource<'_> {
+    /// A copy of the weights of a mesh with this number of targets. They may be invalid.
+    ///
+    /// # Errors
+    /// The entity that it refers to has no weights.
+    pub fn read(&self, count: usize) -> Result<Vec<f32>, WeightsProblem> {
+        let mut rest = Vec::new();
+        Ok(drawn_weights(count, self.component, self.shared, &mut rest)?.to_vec())
+    }
+
+    /// Gives a pose the weights.
+    ///
+    /// # Errors
+    /// They do not fit the pose, which keeps its own.
+    pub fn pose(&self, pose: &mut Pose, rest: &mut Vec<f32>) -> Result<bool, WeightsProblem> {
+        take_weights(pose, self.component, self.shared, rest)
+    }
+}

@@ -32,7 +32,7 @@ pub(crate) struct CharacterShapes<'w, 's> {
 pub(crate) struct CharacterShape<'a> {
     /// The body that moves, or the collider itself if it has none.
     pub(crate) root: Entity,
-    /// Shapes, and their places relative to the root.
+    /// Shapes, and where they are relative to the root.
     shapes: Vec<(&'a Collider, Isometry)>,
     layers: Option<CollisionLayers>,
     own: Vec<Entity>,
@@ -78,7 +78,7 @@ impl CharacterShape<'_> {
         }
     }
 
-    /// Its shapes, and where they are if the root is at this place.
+    /// Its shapes, and where they are if the root is there.
     pub(crate) fn shapes_at(
         &self,
         position: Vec3,

@@ -33,7 +33,7 @@ pub(crate) struct PartBody {
     triangles: Option<Triangles>,
 }
 
-/// The places of parts in the world.
+/// Where parts are in the world.
 pub(crate) type Parts<'w, 's> = Query<
     'w,
     's,

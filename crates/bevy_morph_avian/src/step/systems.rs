@@ -135,10 +135,10 @@ pub(crate) fn after_step(
             let (Ok((.., layers)), Ok(direction)) = (colliders.get(mover), Dir3::new(to - from)) else {
                 return false;
             };
-            let sight = SpatialQueryFilter::from_excluded_entities([entity]).with_mask(layers.filters);
+            let filter = SpatialQueryFilter::from_excluded_entities([entity]).with_mask(layers.filters);
             let kind = |collider| Some(bodies.get(colliders.get(collider).ok()?.1.body).ok()?.2);
             let is_solid = |other| !sensors.contains(other) && kind(other) != Some(&RigidBody::Dynamic);
-            let hit = spatial.cast_ray_predicate(from, direction, from.distance(to), true, &sight, &is_solid);
+            let hit = spatial.cast_ray_predicate(from, direction, from.distance(to), true, &filter, &is_solid);
             hit.is_some()
         };
         let shifts = state.pushing.move_back(moving, &mut budget, end, is_blocked);

@@ -28,7 +28,7 @@ pub struct MorphSurfaceVelocity<'w, 's, E: Engine> {
 impl<E: Engine> MorphSurfaceVelocity<'_, '_, E> {
     /// The velocity of a point of a surface, given by a triangle, as numbered in the mesh, and barycentric coordinates.
     ///
-    /// `None` if the entity has no surface, if the surface was on a dynamic body in the last step (ask the body instead), or if the
+    /// `None` if the entity has no surface, if the surface was on a dynamic body in the last step (read the velocity of the body instead), or if the
     /// triangle does not exist. Zero while the surface is switched off, and in the first step of a jump (see
     /// [`MorphPhysicsCollider::max_acceleration`]). Costs nine vertices.
     #[must_use]

@@ -11,7 +11,7 @@ pub struct SortedBoxes {
     axis: usize,
     /// The start of each box on the axis, and its index among all.
     begins: Vec<(f32, u32)>,
-    /// The maximum end of all boxes on the axis, up to each place in that order.
+    /// The maximum end of all boxes on the axis, up to each index in that order.
     reach: Vec<f32>,
     boxes: Vec<Aabb>,
 }

@@ -1,4 +1,4 @@
-//! A pose whose space has a place in the world.
+//! A pose whose space is mapped to the world.
 //!
 //! A skinned pose is in the space of its collider, because its joints are given in that space. Like any other pose, it is then
 //! placed by an affine map. The core's queries do not use such a map for skinned poses, so this module does.
@@ -63,7 +63,7 @@ pub fn into_query(point: DVec3, pose: &Pose, world_from_model: &WorldFromModel) 
     }
     let origin = world_from_model.transform_point(Vec3::ZERO);
     let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| world_from_model.transform_point(axis) - origin);
-    // A collider's place rotates and translates, but does not scale.
+    // A collider's isometry rotates and translates, but does not scale.
     let away = point - origin;
     DVec3::new(x.dot(away), y.dot(away), z.dot(away))
 }

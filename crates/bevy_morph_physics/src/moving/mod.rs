@@ -4,6 +4,7 @@ mod continuity;
 mod moment;
 mod point;
 mod prediction;
+mod step;
 mod surface;
 
 pub use moment::{Moment, Moments};

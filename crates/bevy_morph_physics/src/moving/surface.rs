@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::physics_api::WeightsProblem;
-use morph_collision::{Aabb, Body, JointMatrices, MorphBvh, Pose, ShapeQuery, WorldFromModel};
-use parry3d::bounding_volume::Aabb as ParryAabb;
+use morph_collision::{JointMatrices, MorphBvh, WorldFromModel};
 
-use super::moment::{Moment, Moments, coordinates, displacement, pose, posed_vertices};
+use super::moment::{Moments, coordinates, displacement, pose};
 use super::prediction::Prediction;
-use crate::math::{region, world_bounds};
 use crate::shape::{MeshLayout, MorphSurface, Posed};
 use crate::time::{DrawnHistory, Live, Span, StepTime, WeightSource};
 
@@ -319,50 +316,5 @@ impl MovingSurface {
         }
         self.complaint = complaint;
         problem.map_or(Ok(()), Err)
-    }
-
-    /// Whether the coming step uses values between frames.
-    pub fn looks_between_frames(&self) -> bool {
-        self.span.is_some() && self.drawn.is_interpolated()
-    }
-
-    /// Queries the surface at the start of the coming step, with its transform: in world space, or for a skinned mesh that of its
-    /// collider.
-    pub fn at_start<T>(&mut self, query: impl FnOnce(&mut Pose, &WorldFromModel) -> T) -> T {
-        let Moments { end, start, .. } = &mut self.moments;
-        if self.moves {
-            query(&mut start.pose, &start.world_from_model)
-        } else {
-            query(&mut self.surface.lock().pose, end)
-        }
-    }
-
-    /// The maximum distance that any vertex has travelled before the coming step.
-    pub fn travelled_before(&self) -> f64 {
-        self.travelled - if self.moves { self.displacement } else { 0.0 }
-    }
-
-    /// A box around the surface during the coming step.
-    pub fn bounds(&mut self) -> Aabb {
-        let now = world_bounds(&mut self.surface.lock().pose, &self.moments.end);
-        if !self.moves {
-            return now;
-        }
-        let Moment { pose, world_from_model } = &mut self.moments.start;
-        now.union(&world_bounds(pose, world_from_model))
-    }
-
-    /// Appends the triangles that intersect a world-space box at the end of the coming step.
-    pub fn triangles_in(&mut self, bounds: &ParryAabb, query: &mut ShapeQuery, into: &mut Vec<u32>) {
-        let mut posed = self.surface.lock();
-        let end = &self.moments.end;
-        if let Ok(region) = region(bounds, &posed.pose, end) {
-            query.all_in_region(Body::new(&mut posed.pose, end), &region, into);
-        }
-    }
-
-    /// The positions of vertices in world space at the end of the coming step.
-    pub fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
-        posed_vertices(&mut self.surface.lock().pose, &self.moments.end, vertices, into);
     }
 }

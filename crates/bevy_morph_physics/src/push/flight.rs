@@ -10,7 +10,7 @@ pub const FAST: f32 = 0.25;
 /// How a collider is expected to move in a step.
 #[derive(Clone, Copy)]
 pub struct Flight {
-    /// The collider's place at the start of the step.
+    /// Where the collider is at the start of the step.
     pub isometry: Isometry,
     /// How its body moves.
     pub way: Vec3,

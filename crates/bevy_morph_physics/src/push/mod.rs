@@ -1,5 +1,7 @@
 //! How a surface pushes: parts near bodies that may move, bodies inside it, and fast bodies.
 
+mod collider_parts;
+mod crossing;
 mod exit;
 mod expel;
 mod flight;

@@ -8,10 +8,10 @@ use morph_collision::ShapeQuery;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Real;
 
+use super::collider_parts::ColliderParts;
 use super::flight::Ground;
 use super::moved::Moved;
 use super::part::{Bodies, Part, PartBuffers, StepParams, TargetCollider};
-use crate::math::between;
 use crate::moving::MovingSurface;
 use crate::shape::MeshLayout;
 
@@ -49,66 +49,6 @@ pub struct NearbyParts<C, B, P> {
     to_wake: Vec<B>,
 }
 
-/// The triangles near a collider that may move.
-struct ColliderParts<B, P> {
-    body: B,
-    /// All triangles in this box are known, for the surface at the time of the search.
-    region: Aabb,
-    triangles: Vec<u32>,
-    /// How far the surface had travelled by then.
-    travelled: f64,
-    parts: Vec<Part<P>>,
-    /// Into how many parts the triangles are divided.
-    cut: usize,
-    /// The last step in which the collider was near.
-    seen: u32,
-}
-
-impl<B, P: Default> ColliderParts<B, P> {
-    fn new(body: B) -> Self {
-        Self {
-            body,
-            region: Aabb::new_invalid(),
-            triangles: Vec::new(),
-            travelled: 0.0,
-            parts: Vec::new(),
-            cut: 1,
-            seen: 0,
-        }
-    }
-
-    /// Finds the triangles in a box. Returns whether there are any.
-    fn search(&mut self, region: Aabb, moving: &mut MovingSurface, query: &mut ShapeQuery) -> bool {
-        self.region = region;
-        self.travelled = moving.travelled;
-        self.triangles.clear();
-        moving.triangles_in(&region, query, &mut self.triangles);
-        !self.triangles.is_empty()
-    }
-
-    /// The motion of some of its triangles; `None` if they jump.
-    fn sample(&self, moving: &mut MovingSurface) -> Option<Moved> {
-        let bvh = moving.bvh().clone();
-        let each = self.triangles.len().div_ceil(SAMPLES);
-        let triangles = self.triangles.iter().step_by(each);
-        let corners = triangles.filter_map(|&triangle| bvh.model().triangle(triangle));
-        let vertices: Vec<u32> = corners.flatten().collect();
-        let [mut now, mut before, mut velocities] = [const { Vec::new() }; 3];
-        moving.vertices(&vertices, &mut now);
-        moving.moments.start.vertices(&vertices, &mut before);
-        between(&before, &now, moving.motion_time(), &mut velocities);
-        let moves = moving.is_motion(&vertices, &before, &velocities);
-        moves.then(|| Moved::fitted(&before, &velocities))
-    }
-
-    fn is_settled(&self) -> bool {
-        self.parts.iter().all(Part::is_settled)
-    }
-}
-
-/// The number of triangles that stand for those near a collider without parts.
-const SAMPLES: usize = 4;
-
 /// The maximum number of parts per collider.
 const MAX_CUT: usize = 8;
 
@@ -143,7 +83,6 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> NearbyParts<C, B, P> {
     }
 
     /// Whether a collider was near in the last step.
-
     pub fn knows(&self, collider: C) -> bool {
         self.near.contains_key(&collider)
     }
@@ -238,7 +177,6 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> NearbyParts<C, B, P> {
     }
 
     /// The same for the coming step only, on a surface whose own body also moves: finds the triangles within `reach`.
-
     pub fn search_anew(&mut self, nearby: &NearbyCollider<C, B>, moving: &mut MovingSurface, reach: Real) -> bool {
         let near = self.near.entry(nearby.collider);
         let near = near.or_insert_with(|| ColliderParts::new(nearby.body));
@@ -327,7 +265,6 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> NearbyParts<C, B, P> {
     }
 
     /// Whether the parts near a collider move.
-
     pub fn moves_near(&self, collider: C) -> bool {
         self.near.get(&collider).is_some_and(|near| !near.is_settled())
     }

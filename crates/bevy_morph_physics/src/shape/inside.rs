@@ -7,7 +7,8 @@ use parry3d::math::Pose as Isometry;
 use parry3d::math::{Real, Vector};
 use parry3d::shape::Shape;
 
-use super::surface::{MorphSurface, Posed};
+use super::posed::Posed;
+use super::surface::MorphSurface;
 
 impl Posed {
     /// Whether the mesh has an inside.
@@ -88,7 +89,6 @@ pub fn not_closed(name: &str) -> String {
 }
 
 /// Whether one of two shapes is a solid surface that encloses the other, assuming that their boundaries do not cross.
-
 pub fn one_encloses_other(pos12: &Isometry, g1: &dyn Shape, g2: &dyn Shape) -> bool {
     let is_in = |surface: &dyn Shape, isometry: &Isometry, other: &dyn Shape| {
         let Some(surface) = surface.as_shape::<MorphSurface>().filter(|it| it.lock().is_solid()) else {

@@ -20,7 +20,7 @@ pub(crate) enum Mass {
     #[default]
     Unknown,
     InProgress(Box<MassComputation>),
-    KnownCollider(MassProperties),
+    Known(MassProperties),
 }
 
 impl Mass {
@@ -38,7 +38,7 @@ impl Mass {
             _ => {}
         }
         match self {
-            Self::KnownCollider(mass) => *mass,
+            Self::Known(mass) => *mass,
             _ => MassProperties::default(),
         }
     }
@@ -51,7 +51,7 @@ impl Mass {
         computation.process(if to_the_end { computation.work() } else { PIECE });
         let is_done = computation.processed == computation.work();
         if is_done {
-            *self = Self::KnownCollider(computation.mass());
+            *self = Self::Known(computation.mass());
         }
         is_done
     }
@@ -79,7 +79,7 @@ pub(crate) struct MassComputation {
 }
 
 impl MassComputation {
-    /// Starts with a copy of a pose, and its place in the collider.
+    /// Starts with a copy of a pose, and its map to the collider.
     pub(crate) fn new(pose: &Pose, collider_from_model: &WorldFromModel) -> Self {
         let bvh = pose.bvh();
         let (vertices, triangles) = (bvh.model().vertex_count(), bvh.model().triangle_count());
@@ -217,7 +217,7 @@ mod tests {
             let (mut pose, collider_from_model) = (ball(20, is_open), collider_from_model());
             let mut mass = Mass::InProgress(Box::new(MassComputation::new(&pose, &collider_from_model)));
             mass.advance(true);
-            let Mass::KnownCollider(mass) = mass else {
+            let Mass::Known(mass) = mass else {
                 panic!("it is known now")
             };
             let count = pose.bvh().model().triangle_count() as u32;
@@ -255,7 +255,7 @@ mod tests {
         let pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
         let mut mass = Mass::InProgress(Box::new(MassComputation::new(&pose, &WorldFromModel::IDENTITY)));
         assert!(mass.advance(true));
-        assert!(matches!(mass, Mass::KnownCollider(mass) if mass == MassProperties::default()));
+        assert!(matches!(mass, Mass::Known(mass) if mass == MassProperties::default()));
     }
 
     /// How much was looked at.

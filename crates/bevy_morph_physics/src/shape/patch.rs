@@ -26,7 +26,7 @@ pub struct Patch {
     pub velocity: [Vector; 2],
 }
 
-/// A distance that can be set without telling the engine that the shape has changed.
+/// A distance that can be set without a change of the shape in the engine.
 #[derive(Clone, Debug, Default)]
 pub struct LookAhead(Arc<AtomicU32>);
 

@@ -61,7 +61,6 @@ impl Triangles {
     }
 
     /// Whether contacts with a triangle may push in both directions, as those of a thin surface do.
-
     pub fn pushes_both_ways(&self, subshape: SubShapeId) -> bool {
         let normals = self.normals.get(subshape as usize).and_then(Option::as_ref);
         normals.is_none_or(|normals| normals.two_sided)

@@ -40,7 +40,7 @@ pub struct DrawnHistory {
     pub joints: Timeline<JointSample>,
     /// The transform of its entity.
     pub transform: Timeline<Affine3A>,
-    /// Whether its place is what is drawn, and not where a physics engine has it.
+    /// Whether its transform is what is drawn, and not where a physics engine has it.
     pub stands_alone: bool,
     /// Whether it is on a body, which a physics engine moves after a step.
     pub on_body: bool,
@@ -141,7 +141,7 @@ impl DrawnHistory {
         }
     }
 
-    /// Says where it is drawn. The first place after a step is where the engine left it.
+    /// Says where it is drawn. The first transform after a step is where the engine left it.
     pub fn stop_at(&mut self, transform: Affine3A) {
         if self.on_body {
             self.stopped_at.get_or_insert(transform);
@@ -174,7 +174,7 @@ impl DrawnHistory {
     }
 
     /// Whether something that the coming step uses directly has changed without motion. The caller knows whether its shape and its
-    /// place have changed.
+    /// transform have changed.
     pub fn teleports_in_step(&mut self, reshaped: bool, moved: bool) -> bool {
         let weights = self.weights.teleports_in_step(reshaped) && !self.weights.is_interpolated();
         let joints = self.joints.teleports_in_step(reshaped) && !self.joints.is_interpolated();
@@ -195,7 +195,7 @@ impl DrawnHistory {
         self.weights.is_interpolated() || self.joints.is_interpolated() || self.transform_is_interpolated()
     }
 
-    /// Whether its place is used directly.
+    /// Whether its transform is used directly.
     pub fn has_live_transform(&self) -> bool {
         !self.transform_is_interpolated()
     }

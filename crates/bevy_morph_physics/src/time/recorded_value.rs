@@ -4,7 +4,7 @@ use bevy::math::{Affine3A, DVec3, Vec3};
 
 use crate::math::largest;
 
-/// A value that determines a surface: weights, joints or place.
+/// A value that determines a surface: weights, joints or transform.
 pub trait RecordedValue: Clone {
     /// Whether two values are the same up to rounding.
     fn is_same(&self, other: &Self) -> bool;
@@ -65,7 +65,7 @@ impl RecordedValue for JointSample {
             let scale = largest(b.iter().map(|b| b.abs()));
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * scale)
         };
-        // Removing the collider's place leaves rounding errors.
+        // Removing the collider's isometry leaves rounding errors.
         a.len() == b.len()
             && a.iter().zip(&b).all(|(a, b)| a.distance(*b) <= 1e-6 * size)
             && self

@@ -99,6 +99,12 @@ impl CarriedController<'_> {
         self.up * (missing / slope).min(0.25 * self.height)
     }
 
+    /// Moves the controller at a velocity. Returns the velocity minus the components that obstacles stopped.
+    pub(super) fn coast(&mut self, velocity: Vec3, dt: f32) -> Vec3 {
+        let kept = self.slide(velocity * dt, &[]);
+        if dt > 0.0 { kept / dt } else { velocity }
+    }
+
     /// Moves the controller, sliding along obstacles. Returns the motion minus the components that obstacles stopped.
     pub(super) fn slide(&mut self, motion: Vec3, except: &[ColliderHandle]) -> Vec3 {
         let (mut left, mut kept) = (motion, motion);

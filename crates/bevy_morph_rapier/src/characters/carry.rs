@@ -123,9 +123,11 @@ pub(crate) fn carry(
         let Ok((simulation, colliders, bodies, configuration, behind)) = contexts.get(components.link.0) else {
             continue;
         };
-        let dt = match configuration.physics_pipeline_active {
-            true => time_ahead(&mode, &time, behind.diff).0,
-            false => 0.0,
+        let is_active = configuration.physics_pipeline_active;
+        let dt = if is_active {
+            time_ahead(&mode, &time, behind.diff).0
+        } else {
+            0.0
         };
         let subdivision = configuration.scaled_shape_subdivision;
         let Some(character) = Character::of(controller, components, colliders, bodies, subdivision) else {
@@ -162,12 +164,7 @@ pub(crate) fn carry(
         match support {
             Some(support) => new = grounds.carry(&mut carried, &support, enabled, dt),
             None if enabled && keep_velocity && it.ground.velocity != Vec3::ZERO => {
-                new.velocity = carried.slide(it.ground.velocity * dt, &[]);
-                new.velocity = if dt > 0.0 {
-                    new.velocity / dt
-                } else {
-                    it.ground.velocity
-                };
+                new.velocity = carried.coast(it.ground.velocity, dt);
             }
             None => {}
         }

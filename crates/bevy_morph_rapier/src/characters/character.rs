@@ -1,4 +1,4 @@
-//! A `KinematicCharacterController` as Rapier's world sees it: its shape, its place, and what it collides with.
+//! A `KinematicCharacterController` as Rapier's world sees it: its shape, where it is, and what it collides with.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::query::QueryData;
@@ -12,7 +12,7 @@ use bevy_rapier3d::rapier::dynamics::{RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet, InteractionGroups};
 use bevy_rapier3d::rapier::pipeline::{QueryFilter, QueryFilterFlags};
 
-/// The components that determine a controller's place in Rapier's world.
+/// The components that determine where a controller is in Rapier's world.
 #[derive(QueryData)]
 pub(crate) struct ControllerComponents {
     pub(crate) link: &'static RapierContextEntityLink,
@@ -21,7 +21,7 @@ pub(crate) struct ControllerComponents {
     global: Option<&'static GlobalTransform>,
 }
 
-/// A controller's shape and place.
+/// A controller's shape, and where it is.
 pub(crate) struct Character {
     pub(crate) shape: SharedShape,
     pub(crate) isometry: Isometry,
@@ -30,7 +30,7 @@ pub(crate) struct Character {
 }
 
 impl Character {
-    /// Computes the same shape and place as Rapier's controller. `None` if it has no shape yet.
+    /// Computes the same shape and isometry as Rapier's controller. `None` if it has no shape yet.
     pub(crate) fn of(
         controller: &KinematicCharacterController,
         components: &ControllerComponentsItem,

@@ -46,19 +46,52 @@ impl Footing {
     }
 }
 
+type Contexts<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static mut RapierContextSimulation,
+        &'static mut RapierContextColliders,
+        &'static RapierRigidBodySet,
+        &'static RapierConfiguration,
+    ),
+>;
+
+type Surfaces<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static RapierSurface,
+        &'static RapierColliderHandle,
+        &'static RapierContextEntityLink,
+    ),
+>;
+
+/// The surfaces that controllers may touch.
+fn find_surfaces(surfaces: &Surfaces, contexts: &Contexts) -> Vec<NearbySurface> {
+    let found = surfaces.iter().filter_map(|(entity, surface, handle, link)| {
+        let (_, colliders, ..) = contexts.get(link.0).ok()?;
+        let collider = colliders.colliders.get(handle.0)?;
+        let bounds = || surface.moving.surface.lock().bounds();
+        collider.is_enabled().then(|| NearbySurface {
+            entity,
+            context: link.0,
+            collider: handle.0,
+            bounds: bounds().transform_by(collider.position()),
+        })
+    });
+    found.collect()
+}
+
 /// Adds the triangles near each controller, in the pose of the last step, as ground that Rapier's own casts can hit.
 ///
 /// They are colliders without a body, even if the surface has one: Rapier would drag a controller along with a kinematic body
 /// that it brushes.
 pub(crate) fn before_controllers(
-    mut contexts: Query<(
-        &mut RapierContextSimulation,
-        &mut RapierContextColliders,
-        &RapierRigidBodySet,
-        &RapierConfiguration,
-    )>,
+    mut contexts: Contexts,
     mut controllers: Query<(Entity, &mut KinematicCharacterController, ControllerComponents)>,
-    surfaces: Query<(Entity, &RapierSurface, &RapierColliderHandle, &RapierContextEntityLink)>,
+    surfaces: Surfaces,
     ignored: Query<Entity, With<ControllerIgnored>>,
     mut footing: ResMut<Footing>,
 ) {
@@ -68,21 +101,7 @@ pub(crate) fn before_controllers(
     if surfaces.is_empty() || controllers.is_empty() {
         return;
     }
-    for (entity, surface, handle, link) in &surfaces {
-        let Ok((_, colliders, ..)) = contexts.get(link.0) else {
-            continue;
-        };
-        let collider = colliders.colliders.get(handle.0);
-        if let Some(collider) = collider.filter(|collider| collider.is_enabled()) {
-            let bounds = surface.moving.surface.lock().bounds();
-            footing.surfaces.push(NearbySurface {
-                entity,
-                context: link.0,
-                collider: handle.0,
-                bounds: bounds.transform_by(collider.position()),
-            });
-        }
-    }
+    footing.surfaces.extend(find_surfaces(&surfaces, &contexts));
     let ignored: EntityHashSet = ignored.iter().collect();
     for (entity, mut controller, components) in &mut controllers {
         let Some(translation) = controller.translation else {
@@ -126,9 +145,8 @@ pub(crate) fn before_controllers(
                 continue;
             }
             let ground = ground(collider, triangles);
-            let bounds = ground.compute_aabb();
+            let (bounds, parameters) = (ground.compute_aabb(), simulation.integration_parameters);
             let ground = colliders.colliders.insert(ground);
-            let parameters = simulation.integration_parameters;
             simulation.broad_phase.set_aabb(&parameters, ground, bounds);
             footing.grounds.push((context, ground));
         }

@@ -116,7 +116,7 @@ fn enclosed(mover: &Mover, material: &ContactMaterial, world: &World) -> Option<
     EnclosedCollider::of(collider.shape(), &isometry, mover.nearby.bounds.extents().length())
 }
 
-/// The place of a collider. If the game moved its body, its colliders follow only in the step.
+/// Where a collider is. If the game moved its body, its colliders follow only in the step.
 fn isometry_of(collider: ColliderHandle, world: &World) -> Option<Isometry> {
     let collider = world.colliders.get(collider)?;
     let Some(body) = collider.parent().and_then(|body| world.bodies.get(body)) else {

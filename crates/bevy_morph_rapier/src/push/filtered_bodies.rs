@@ -9,7 +9,7 @@ use super::world::World;
 #[derive(Default)]
 pub(crate) struct FilteredBodies {
     bodies: Vec<RigidBodyHandle>,
-    /// Joints between parts' bodies and spared bodies that constrain nothing and only disable contacts.
+    /// Joints between parts' bodies and filtered bodies that constrain nothing and only disable contacts.
     contact_filters: HashMap<(RigidBodyHandle, RigidBodyHandle), ImpulseJointHandle>,
 }
 
@@ -43,7 +43,7 @@ impl FilteredBodies {
         self.bodies.contains(&body)
     }
 
-    /// Keeps parts, which exist for other bodies, from touching spared bodies.
+    /// Keeps parts, which exist for other bodies, from touching filtered bodies.
     pub(crate) fn disable_contacts(&mut self, parts: impl Iterator<Item = RigidBodyHandle>, world: &mut World) {
         if self.bodies.is_empty() && self.contact_filters.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! Contact forces of a whole surface, in place of those of its parts.
+//! Contact forces of a whole surface, instead of those of its parts.
 
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;

@@ -28,7 +28,7 @@ const LOCKED: f32 = 1e12;
 pub(crate) struct Link {
     body: RigidBodyHandle,
     pub(crate) part: RigidBodyHandle,
-    /// Its place in the space of the body.
+    /// Where it is in the space of the body.
     isometry: Isometry,
     /// Its motion in that space.
     linear: Vec3,

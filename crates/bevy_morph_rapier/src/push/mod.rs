@@ -9,6 +9,7 @@ mod material;
 mod movers;
 mod obstacles;
 mod part;
+mod prepare;
 mod pushing;
 mod world;
 

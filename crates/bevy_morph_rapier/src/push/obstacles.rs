@@ -69,7 +69,7 @@ impl Obstacles {
     }
 }
 
-/// The places of a collider at the start and end of a step, if it is an obstacle.
+/// Where a collider is at the start and end of a step, if it is an obstacle.
 fn whereabouts(collider: &Collider, dt: f32, world: &World) -> Option<[Isometry; 2]> {
     if collider.is_sensor() || !collider.is_enabled() || is_part(collider) || is_ground(collider.shape()) {
         return None;

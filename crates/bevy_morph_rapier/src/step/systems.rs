@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy_morph_physics::MorphPhysicsDiagnostics;
 use bevy_morph_physics::engine::Sources;
 use bevy_morph_physics::push::Budget;
-use bevy_morph_physics::time::StepTime;
+use bevy_morph_physics::time::{Span, StepTime, Timing};
 use bevy_rapier3d::plugin::TimestepMode;
 use bevy_rapier3d::plugin::context::{
     RapierContextColliders, RapierContextJoints, RapierContextSimulation, RapierRigidBodySet,
@@ -43,23 +43,14 @@ pub(crate) fn before_step(
     let stepping = &mut *stepping;
     stepping.has_stepped = false;
     let Clocks { mode, time, .. } = &clocks;
-    if stepping.timing.watch.was_set(time) {
-        for mut surface in &mut surfaces {
-            surface.surface.moving.drawn.pause();
-        }
-    }
-    let fixed_span = stepping
-        .timing
-        .is_fixed
-        .then(|| stepping.timing.lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
-    if contexts
+    let fixed_span = read_clock(time, &mut stepping.timing, &mut surfaces);
+    let mut clocks_of = contexts
         .iter()
-        .any(|(.., configuration, behind)| clocks.is_waiting(configuration, behind))
-    {
+        .map(|(.., configuration, behind)| (configuration, behind));
+    match clocks_of.any(|(configuration, behind)| clocks.is_waiting(configuration, behind)) {
         // Nobody requests the skeletons of its surfaces, but they must stay.
-        sources.skeletons.outdate();
-    } else {
-        sources.skeletons.begin();
+        true => sources.skeletons.outdate(),
+        false => sources.skeletons.begin(),
     }
     let (mut refused, mut has_stepped, mut share) = (HashSet::default(), false, None);
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
@@ -67,12 +58,7 @@ pub(crate) fn before_step(
         let span = fixed_span.unwrap_or(interpolated);
         if !configuration.physics_pipeline_active || dt <= 0.0 {
             if !clocks.is_waiting(configuration, behind) {
-                let at_rest = surfaces
-                    .iter_mut()
-                    .filter(|it| it.surface.state.context == Some(context));
-                for mut it in at_rest {
-                    sources.rest(&mut it.surface.moving, &it.drawn_with);
-                }
+                rest(context, &mut surfaces, &mut sources);
             }
             continue;
         }
@@ -118,6 +104,30 @@ pub(crate) fn before_step(
         stepping.too_large = refused;
     }
     diagnostics.duration = start.elapsed();
+}
+
+/// In a fixed schedule, returns the span of drawn frames that the step uses. If the clock was set, it does not say how long changes took:
+/// they are no motion.
+fn read_clock(time: &Time, timing: &mut Timing, surfaces: &mut Query<Surface>) -> Option<Option<Span>> {
+    if timing.watch.was_set(time) {
+        for mut it in surfaces {
+            it.surface.moving.drawn.pause();
+        }
+    }
+    let lag = &mut timing.lag;
+    timing
+        .is_fixed
+        .then(|| lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()))
+}
+
+/// Lets the surfaces of a physics world notice what changes while no steps come.
+fn rest(context: Entity, surfaces: &mut Query<Surface>, sources: &mut Sources) {
+    let at_rest = surfaces
+        .iter_mut()
+        .filter(|it| it.surface.state.context == Some(context));
+    for mut it in at_rest {
+        sources.rest(&mut it.surface.moving, &it.drawn_with);
+    }
 }
 
 /// Runs with Rapier's step, if the game lets it run.

@@ -13,7 +13,7 @@ use morph_collision_models::mesh::MorphMesh;
 
 use super::drops::Kind;
 use super::engine::{Engine, PoseSurface};
-use super::{app_with_steps, bevy_mesh, body, state};
+use super::{app_with_steps, bevy_mesh, blend, body, state};
 
 /// A way to make a morphing mesh collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -271,17 +271,5 @@ fn in_order_of_triangles(mesh: &MorphMesh) -> MorphMesh {
         targets: mesh.targets.iter().map(ordered).collect(),
         triangles: mesh.triangles.iter().map(corners).collect(),
         ..mesh.clone()
-    }
-}
-
-/// Blends every vertex, one target after the other, as fast as plain loops can.
-pub fn blend(mesh: &MorphMesh, weights: &[f32], into: &mut Vec<Vec3>) {
-    into.clone_from(&mesh.positions);
-    for (target, &weight) in mesh.targets.iter().zip(weights) {
-        if weight != 0.0 {
-            for (vertex, &displacement) in into.iter_mut().zip(target) {
-                *vertex += weight * displacement;
-            }
-        }
     }
 }

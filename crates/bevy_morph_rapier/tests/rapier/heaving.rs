@@ -17,7 +17,7 @@ use morph_collision_workspace::heaving::{
     Falling, Game, HALF_SEGMENT, IDLE, JUMP, MODEL, Player, RADIUS, SPEED, Tally, Wish,
 };
 
-#[path = "../../examples/physics.rs"]
+#[path = "../../../../examples/physics.rs"]
 #[allow(dead_code, unreachable_pub, reason = "it is also a program")]
 mod physics;
 
@@ -25,7 +25,7 @@ use crate::log::start;
 use crate::support::{global, run, truth};
 
 fn assets() -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets")
 }
 
 /// The game at the moment when the player is above the hill.

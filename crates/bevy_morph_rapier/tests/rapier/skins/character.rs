@@ -21,7 +21,7 @@ use crate::support::{diagnostics, place, population, run, velocity};
 
 /// A model from outside the repository, if that folder is there.
 fn character() -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/mh_character.glb");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models/mh_character.glb");
     if !path.is_file() {
         println!("skipped: {} is not there", path.display());
         return None;

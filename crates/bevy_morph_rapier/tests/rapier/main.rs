@@ -1,9 +1,11 @@
 //! The plugin together with `bevy_rapier3d`, in apps without a window.
 
+#[path = "../../../bevy_morph_physics/tests/any_engine/mod.rs"]
+mod any_engine;
 mod bad_places;
 mod bullets;
 mod characters;
-#[cfg(feature = "render")]
+#[cfg(feature = "cookbook")]
 mod cookbook;
 mod dynamic;
 mod events;
@@ -11,14 +13,12 @@ mod extremes;
 mod falls;
 mod heaving;
 mod life;
-#[path = "../plugin/log.rs"]
+#[path = "../../../../tests/plugin/log.rs"]
 mod log;
 mod many;
-mod mistakes;
 mod moving;
 mod presence;
 mod queries;
-mod scene;
 mod schedules;
 mod shapes;
 mod skins;

@@ -1,7 +1,7 @@
 //! The plugin's example with crates on a heaving hill, run without a window and checked against the vertices of the file.
 
 #[allow(dead_code, reason = "its `main` opens a window, and is not called")]
-#[path = "../../crates/bevy_morph_avian/examples/avian_hill.rs"]
+#[path = "../../examples/avian_hill.rs"]
 mod avian_hill;
 
 use std::collections::{HashMap, HashSet};
@@ -45,7 +45,7 @@ fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
 #[test]
 fn crates_ride_on_a_heaving_hill_and_none_falls_through() {
     Errors::collect(|errors| {
-        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
         let file = assets.join("heaving_body_5120.glb");
         let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
         let mut app = without_collisions(&assets);

@@ -1,22 +1,16 @@
 //! Whole scenes in physics.
 
-use std::path::Path;
-
-use avian3d::prelude::*;
-use bevy::gltf::Gltf;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_physics::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_workspace::app::{headless, load_gltf, update_until};
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
-use crate::log::start;
-use crate::support::{app, below, body, diagnostics, place, population, run, velocity};
+use crate::support::{app, ball, body, diagnostics, place, population, run};
 
 /// A deforming mesh below an entity.
-fn part(app: &mut App, parent: Entity, name: &'static str, mesh: &MorphMesh, at: Vec3) -> Entity {
+pub(crate) fn part(app: &mut App, parent: Entity, name: &'static str, mesh: &MorphMesh, at: Vec3) -> Entity {
     let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh));
     let weights = MeshMorphWeights::Value {
         weights: vec![0.0; mesh.targets.len()],
@@ -29,7 +23,7 @@ fn part(app: &mut App, parent: Entity, name: &'static str, mesh: &MorphMesh, at:
 
 /// Whether a ball that falls there is stopped.
 fn holds(app: &mut App, at: Vec3) -> bool {
-    let ball = body(app, Collider::sphere(0.3), at + Vec3::Y * 0.5);
+    let ball = body(app, ball(0.3), at + Vec3::Y * 0.5);
     run(app, 60);
     let held = (place(app, ball).y - at.y - 0.3).abs() < 1e-2;
     app.world_mut().entity_mut(ball).despawn();
@@ -138,63 +132,4 @@ fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
     app.world_mut().entity_mut(root).remove::<MorphPhysicsScene>();
     run(&mut app, 3);
     assert_eq!((has(&app, grass), has(&app, own_part)), (None, Some(own)));
-}
-
-#[test]
-fn the_parts_of_a_scene_on_a_body_move_with_it() {
-    let mut app = app();
-    let root = app
-        .world_mut()
-        .spawn((
-            MorphPhysicsScene::default(),
-            RigidBody::Kinematic,
-            LinearVelocity(Vec3::X),
-            Transform::default(),
-        ))
-        .id();
-    let parts = [-10.0, 10.0].map(|x| part(&mut app, root, "part", &sheet(16), Vec3::X * x));
-    settle(&mut app);
-    run(&mut app, 3);
-    for part in parts {
-        let body = app.world().get::<ColliderOf>(part).map(|of| of.body);
-        assert_eq!(body, Some(root));
-    }
-    let from = place(&app, root).x;
-    let boxes = [-10.0, 10.0].map(|x| {
-        body(
-            &mut app,
-            Collider::cuboid(0.6, 0.6, 0.6),
-            Vec3::new(from + x, 0.31, 0.0),
-        )
-    });
-    run(&mut app, 90);
-    for cuboid in boxes {
-        let velocity = velocity(&app, cuboid);
-        assert!((velocity - Vec3::X).length() < 0.02, "it is carried at {velocity}");
-        assert!((place(&app, cuboid).y - 0.3).abs() < 1e-2);
-    }
-}
-
-#[test]
-fn a_gltf_file_is_in_physics_once_it_is_spawned() {
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
-    let file = assets.join("dolphin_564.glb");
-    let mut app = headless(&assets);
-    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin));
-    start(&mut app);
-    let gltf = load_gltf(&mut app, &file).expect("it comes with the repository");
-    let scene = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap().scenes[0].clone();
-    app.world_mut()
-        .spawn((WorldAssetRoot(scene), MorphPhysicsScene::default()));
-    update_until(&mut app, &file, |world| {
-        Ok(world.resource::<MorphPhysicsDiagnostics>().surfaces == 1)
-    })
-    .expect("it comes into physics");
-    run(&mut app, 2);
-    let hits = below(&mut app, 0.0, 0.0);
-    let mut parts = app
-        .world_mut()
-        .query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphPhysicsCollider>)>();
-    let mesh = parts.single(app.world()).expect("there is one mesh");
-    assert!(hits.first().is_some_and(|&(entity, _)| entity == mesh), "{hits:?}");
 }

@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
-use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_physics::prelude::*;
 use morph_collision_workspace::physics::sheet;
 
 use crate::log::Errors;

@@ -2,7 +2,7 @@
 //! at each step.
 
 #[allow(dead_code, reason = "its `main` opens a window, and is not called")]
-#[path = "../../crates/bevy_morph_rapier/examples/rapier_character.rs"]
+#[path = "../../examples/rapier_character.rs"]
 mod rapier_character;
 
 use std::collections::{HashMap, HashSet};
@@ -48,7 +48,7 @@ fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
 
 #[test]
 fn balls_bounce_off_a_walking_character_and_none_falls_through() {
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
     let file = assets.join("mh_character_low.glb");
     let mesh = read_meshes(&file).expect("it comes with the repository").remove(0);
     let mut app = without_collisions(&assets);

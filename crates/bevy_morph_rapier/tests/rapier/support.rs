@@ -16,12 +16,13 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
-use morph_collision_workspace::physics::{self, bevy_mesh, body, settle, sheet, state};
+pub(crate) use morph_collision_workspace::physics::body;
+use morph_collision_workspace::physics::{self, bevy_mesh, settle, sheet, state};
 
 use crate::log::{Errors, run_here};
 
 pub(crate) fn app() -> App {
-    let mut app = physics::app(Path::new("."));
+    let mut app = physics::app(Path::new("../.."));
     run_here(&mut app);
     app
 }
@@ -34,6 +35,11 @@ pub(crate) fn spawn(app: &mut App, mesh: &MorphMesh, more: impl Bundle) -> Entit
     };
     let collider = MorphPhysicsCollider::default();
     app.world_mut().spawn((Mesh3d(handle), weights, collider, more)).id()
+}
+
+/// A ball.
+pub(crate) fn ball(radius: f32) -> Collider {
+    Collider::ball(radius)
 }
 
 pub(crate) fn set_weights(app: &mut App, entity: Entity, weights: &[f32]) {

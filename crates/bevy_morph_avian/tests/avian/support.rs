@@ -30,7 +30,7 @@ pub(crate) fn app() -> App {
 
 /// The same app, to which more plugins can be added.
 pub(crate) fn unfinished() -> App {
-    let mut app = headless(Path::new("."));
+    let mut app = headless(Path::new("../.."));
     app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin))
         .insert_resource(Time::<Fixed>::from_duration(STEP))
         .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
@@ -50,6 +50,11 @@ pub(crate) fn spawn(app: &mut App, mesh: &MorphMesh, more: impl Bundle) -> Entit
 pub(crate) fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
     let body = (RigidBody::Dynamic, collider, Transform::from_translation(at));
     app.world_mut().spawn(body).id()
+}
+
+/// A ball.
+pub(crate) fn ball(radius: f32) -> Collider {
+    Collider::sphere(radius)
 }
 
 pub(crate) fn set_weights(app: &mut App, entity: Entity, weights: &[f32]) {

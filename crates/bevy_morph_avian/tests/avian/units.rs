@@ -33,7 +33,7 @@ fn bodies_behave_alike_in_every_unit() {
 
 #[test]
 fn a_plate_on_the_head_of_a_character_stays_there_in_every_unit() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/mh_character.glb");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models/mh_character.glb");
     let Ok(file) = file.canonicalize() else {
         println!("skipped: {} is not there", file.display());
         return;

@@ -1,6 +1,7 @@
 //! The whole plugin in a Bevy app without a window.
 
 mod actors;
+mod adding;
 mod anchors;
 mod bodies;
 mod body_events;
@@ -19,11 +20,12 @@ mod events;
 mod files;
 mod group;
 mod head;
+mod integration;
 mod levels;
 mod life_cycle;
 mod live;
 mod log;
-mod manners;
+
 mod mistakes;
 mod models;
 mod pairs;

@@ -254,6 +254,7 @@ impl Truth {
         }
         for contact in collisions.iter() {
             let pair = (contact.collider1, contact.collider2);
+            check_neighbours(collisions, contact, context);
             assert!(
                 self.touching.contains_key(&pair),
                 "{context}: these are reported, and do not touch:\n{}\n{}",
@@ -262,6 +263,37 @@ impl Truth {
             );
         }
         listed
+    }
+}
+
+/// What is found by adjacency is what a look at all contacts finds.
+fn check_neighbours(collisions: &MorphCollisions, contact: &MorphContact, context: &str) {
+    for (collider, body) in [(contact.collider1, contact.body1), (contact.collider2, contact.body2)] {
+        let of_collider = collisions.iter().filter(|contact| contact.other(collider).is_some());
+        assert!(
+            collisions.collisions_with(collider).eq(of_collider),
+            "{context}: contacts of {collider}"
+        );
+        let of_body = |contact: &&MorphContact| contact.body1 == body || contact.body2 == body;
+        let of_body: Vec<&MorphContact> = collisions.iter().filter(of_body).collect();
+        assert!(
+            collisions.collisions_with_body(body).eq(of_body.iter().copied()),
+            "{context}: contacts of {body}"
+        );
+        let others = of_body.iter().map(|contact| {
+            if contact.body1 == body {
+                contact.body2
+            } else {
+                contact.body1
+            }
+        });
+        let mut others: Vec<Entity> = others.collect();
+        others.sort_unstable();
+        others.dedup();
+        assert!(
+            collisions.bodies_colliding_with(body).eq(others),
+            "{context}: bodies at {body}"
+        );
     }
 }
 

@@ -15,7 +15,7 @@ use crate::app::Names;
 use crate::components::{MorphCollider, MorphShape};
 
 /// Colliders that show a mesh, including disabled ones.
-type ShowsMesh = (With<MorphCollider>, Without<MorphShape>, Allow<Disabled>);
+type CollidesAsMesh = (With<MorphCollider>, Without<MorphShape>, Allow<Disabled>);
 
 /// The meshes of glTF files with more joints per vertex than Bevy draws, `file.glb#Mesh0`, and whether the log says so. Loaders write it from
 /// any thread.
@@ -61,7 +61,7 @@ impl LoggedErrors {
 #[derive(SystemParam)]
 pub(crate) struct Complaints<'w, 's> {
     pub(super) names: Names<'w, 's>,
-    colliders: Query<'w, 's, (Entity, &'static Mesh3d), ShowsMesh>,
+    colliders: Query<'w, 's, (Entity, &'static Mesh3d), CollidesAsMesh>,
     further: Res<'w, FurtherInfluences>,
     logged: Res<'w, LoggedErrors>,
 }

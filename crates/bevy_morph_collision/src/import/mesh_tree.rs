@@ -6,6 +6,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
 use morph_collision::{BuildOptions, MorphBvh};
+use tracing::error;
 
 use super::complaints::Complaints;
 use super::error::ImportError;

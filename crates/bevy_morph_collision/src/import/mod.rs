@@ -1,4 +1,11 @@
 //! Turns Bevy's [`Mesh`] into a shared tree: copies it on the main thread, builds in the background, hands out the result.
+//!
+//! - `trees`: [`MorphTrees`], all trees and the systems that build them. `tree_key`: what they depend on. `mesh_tree`: one of them.
+//! - `mesh_data`, `copy`: the copy of a mesh, made in parts. `decode`, `skin_data`, `triangles`: how Bevy stores its positions, joints and
+//!   indices.
+//! - `turns`: shares the time of a frame among tasks. `progress`: how far all trees are.
+//! - `error`, `left_out`, `load_failures`, `complaints`: what is wrong with a mesh, and what is logged about it.
+//! - `gltf`, `influence_sets`: repairs meshes without normals in Bevy's glTF loader, and notes joints that Bevy does not draw.
 
 mod complaints;
 mod copy;

@@ -18,7 +18,7 @@ use crate::components::{
 use crate::events::MorphCollidingEntities;
 use crate::import::{MorphTrees, TreeKey};
 use crate::self_collisions::MorphSelfCollisions;
-use crate::setup::{Hierarchy, Shows, SpawnedScenes, key_of};
+use crate::setup::{Hierarchy, SpawnedScenes, TreeUser};
 use crate::surface::MorphSurfaceAnchor;
 
 /// The components of one entity.
@@ -49,7 +49,7 @@ pub(super) struct Subject {
 #[derive(SystemParam)]
 pub(super) struct Around<'w, 's> {
     pub(super) subjects: Query<'w, 's, Subject, Allow<Disabled>>,
-    shows: Query<'w, 's, Shows, Allow<Disabled>>,
+    tree_users: Query<'w, 's, TreeUser, Allow<Disabled>>,
     pub(super) hierarchy: Hierarchy<'w, 's>,
     pub(super) spawned: SpawnedScenes<'w, 's>,
     pub(super) names: Names<'w, 's>,
@@ -71,7 +71,7 @@ impl Around<'_, '_> {
 
     /// The tree that an entity uses.
     pub(super) fn tree_key(&self, entity: Entity) -> Option<TreeKey> {
-        key_of(self.shows.get(entity).ok()?)
+        self.tree_users.get(entity).ok()?.key()
     }
 
     /// Whether the scene that an entity spawns is not there yet.

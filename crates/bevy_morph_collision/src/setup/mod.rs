@@ -42,7 +42,7 @@ pub use scene_part::ScenePart;
 pub(crate) use scene_state::SceneState;
 pub(crate) use spawned_scenes::SpawnedScenes;
 pub(crate) use trees_plugin::TreesPlugin;
-pub(crate) use users::{Culls, Shows, hand_out_trees, key_of, request_trees};
+pub(crate) use users::{Culls, TreeUser, hand_out_trees, request_trees};
 
 /// Adds what waits for scenes, and the events of what is ready.
 pub(crate) fn add(app: &mut App) {

@@ -8,7 +8,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::scene_part::ScenePart;
-use super::users::{Shows, key_of};
+use super::users::TreeUser;
 use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
 use crate::import::{ImportError, MorphTrees};
 use crate::state::{ColliderState, Readiness};
@@ -121,7 +121,7 @@ impl Removals<'_, '_> {
 pub(crate) fn report_readiness(
     mut commands: Commands,
     mut colliders: Query<
-        (Entity, Shows, &mut ColliderState, Option<&ScenePart>, Has<Disabled>),
+        (Entity, TreeUser, &mut ColliderState, Option<&ScenePart>, Has<Disabled>),
         (With<MorphCollider>, Allow<Disabled>),
     >,
     changed: Query<(), ColliderNews>,
@@ -137,8 +137,8 @@ pub(crate) fn report_readiness(
     }
     let mut now = EntityHashMap::<Parts>::default();
     let mut settled: Vec<(Entity, Option<ImportError>)> = Vec::new();
-    for (entity, shows, mut state, part, is_disabled) in &mut colliders {
-        let (key, has_shape) = (key_of(shows), shows.3);
+    for (entity, user, mut state, part, is_disabled) in &mut colliders {
+        let (key, has_shape) = (user.key(), user.has_shape);
         let outcome = key.and_then(|key| Some((key, trees.outcome(key)?)));
         let readiness = match outcome {
             _ if has_shape => Readiness::Ready(None),

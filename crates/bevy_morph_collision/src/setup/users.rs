@@ -1,7 +1,7 @@
 //! Who uses which tree: colliders request trees and receive them, and unused trees are dropped.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::ecs::query::Allow;
+use bevy::ecs::query::{Allow, QueryData};
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
@@ -14,24 +14,25 @@ use crate::import::{MorphTrees, TreeKey};
 use crate::state::{ColliderState, MorphCollisionDiagnostics, Preparation, Runs};
 
 /// The components that determine a collider's tree.
-pub(crate) type Shows = (
-    Option<&'static Mesh3d>,
-    Option<&'static MorphTreeOptions>,
-    Option<&'static SkinnedMesh>,
-    Has<MorphShape>,
-);
-
-/// The key of a collider's tree; `None` if it shows no mesh or has a shape.
-pub(crate) fn key_of(
-    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeOptions>, Option<&SkinnedMesh>, bool),
-) -> Option<TreeKey> {
-    // A shape collides in place of the mesh.
-    mesh.filter(|_| !has_shape)
-        .map(|mesh| TreeKey::of(mesh, settings, skin))
+#[derive(QueryData)]
+pub(crate) struct TreeUser {
+    mesh: Option<&'static Mesh3d>,
+    options: Option<&'static MorphTreeOptions>,
+    skin: Option<&'static SkinnedMesh>,
+    pub(super) has_shape: Has<MorphShape>,
 }
 
-/// Colliders that may show something different from before.
-type ShowsAnother = (
+impl TreeUserItem<'_, '_> {
+    /// The key of the collider's tree; `None` if it user no mesh or has a shape.
+    pub(crate) fn key(&self) -> Option<TreeKey> {
+        // A shape collides in place of the mesh.
+        let mesh = self.mesh.filter(|_| !self.has_shape)?;
+        Some(TreeKey::of(mesh, self.options, self.skin))
+    }
+}
+
+/// Colliders that may need another tree from before.
+type UsesAnother = (
     Or<(
         Changed<Mesh3d>,
         Changed<MorphTreeOptions>,
@@ -43,17 +44,17 @@ type ShowsAnother = (
     Allow<Disabled>,
 );
 
-/// Colliders that may show something different because a component is gone.
+/// Colliders that may need another tree because a component is gone.
 #[derive(SystemParam)]
-pub(crate) struct ShowsLess<'w, 's> {
-    settings: RemovedComponents<'w, 's, MorphTreeOptions>,
+pub(crate) struct UsesLess<'w, 's> {
+    options: RemovedComponents<'w, 's, MorphTreeOptions>,
     skins: RemovedComponents<'w, 's, SkinnedMesh>,
     shapes: RemovedComponents<'w, 's, MorphShape>,
 }
 
-impl ShowsLess<'_, '_> {
+impl UsesLess<'_, '_> {
     fn read(&mut self) -> impl Iterator<Item = Entity> {
-        self.settings.read().chain(self.skins.read()).chain(self.shapes.read())
+        self.options.read().chain(self.skins.read()).chain(self.shapes.read())
     }
 }
 
@@ -61,9 +62,9 @@ impl ShowsLess<'_, '_> {
 ///
 /// It looks only at colliders that changed, found by their change ticks, unless any collider may need its tree again.
 pub(crate) fn request_trees(
-    colliders: Query<(Entity, Shows), With<MorphCollider>>,
-    changed: Query<(Entity, Shows, Has<Disabled>), ShowsAnother>,
-    mut less: ShowsLess,
+    colliders: Query<(Entity, TreeUser), With<MorphCollider>>,
+    changed: Query<(Entity, TreeUser, Has<Disabled>), UsesAnother>,
+    mut less: UsesLess,
     mut enabled: RemovedComponents<Disabled>,
     mut trees: ResMut<MorphTrees>,
     mut preparation: ResMut<Preparation>,
@@ -71,15 +72,15 @@ pub(crate) fn request_trees(
     let start = Instant::now();
     // Disabled entities did not notice when their trees were dropped.
     let anew = trees.is_stale() || enabled.read().count() > 0;
-    for (entity, shows, is_disabled) in &changed {
+    for (entity, user, is_disabled) in &changed {
         trees.bypass_change_detection().uses_changed();
-        if let Some(key) = key_of(shows).filter(|_| !is_disabled) {
+        if let Some(key) = user.key().filter(|_| !is_disabled) {
             trees.request(key, entity);
         }
     }
     let all = anew.then(|| colliders.iter()).into_iter().flatten();
-    for (entity, shows) in colliders.iter_many(less.read()).flatten().chain(all) {
-        if let Some(key) = key_of(shows) {
+    for (entity, user) in colliders.iter_many(less.read()).flatten().chain(all) {
+        if let Some(key) = user.key() {
             trees.request(key, entity);
         }
     }
@@ -88,9 +89,9 @@ pub(crate) fn request_trees(
 
 /// Drops unused trees of a mesh while another tree of that mesh is in use. Runs only when a use may have ended or a tree is new.
 pub(crate) fn drop_unused_trees(
-    colliders: Query<Shows, (With<MorphCollider>, Allow<Disabled>)>,
+    colliders: Query<TreeUser, (With<MorphCollider>, Allow<Disabled>)>,
     mut no_colliders: RemovedComponents<MorphCollider>,
-    mut no_settings: RemovedComponents<MorphTreeOptions>,
+    mut no_options: RemovedComponents<MorphTreeOptions>,
     mut no_meshes: RemovedComponents<Mesh3d>,
     mut no_skins: RemovedComponents<SkinnedMesh>,
     culled: Query<(&Mesh3d, Option<&SkinnedMesh>), (Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>, Allow<Disabled>)>,
@@ -98,14 +99,14 @@ pub(crate) fn drop_unused_trees(
     mut trees: ResMut<MorphTrees>,
     mut seen: Local<u64>,
 ) {
-    let removed = no_colliders.read().count() + no_settings.read().count() + no_meshes.read().count();
+    let removed = no_colliders.read().count() + no_options.read().count() + no_meshes.read().count();
     let removed = removed + no_skins.read().count();
     let is_new = std::mem::replace(&mut *seen, trees.version()) != trees.version();
     let trees = trees.bypass_change_detection();
     if !trees.may_have_unused(removed > 0 || is_new) {
         return;
     }
-    let mut used: HashSet<TreeKey> = colliders.iter().filter_map(key_of).collect();
+    let mut used: HashSet<TreeKey> = colliders.iter().filter_map(|user| user.key()).collect();
     if culls.is_some() {
         used.extend(culled.iter().map(|(mesh, skin)| TreeKey::of(mesh, None, skin)));
     }
@@ -121,7 +122,7 @@ pub(crate) struct Culls;
 /// Compares mesh and settings by value, because this system may run less often than Bevy keeps change ticks, and does not see
 /// disabled entities.
 pub(crate) fn hand_out_trees(
-    mut colliders: Query<(Entity, Shows, &mut ColliderState), With<MorphCollider>>,
+    mut colliders: Query<(Entity, TreeUser, &mut ColliderState), With<MorphCollider>>,
     runs: Res<Runs>,
     mut trees: ResMut<MorphTrees>,
     mut version: Local<u64>,
@@ -130,9 +131,9 @@ pub(crate) fn hand_out_trees(
     let start = Instant::now();
     let every = *version != trees.version();
     *version = trees.version();
-    for (entity, shows, mut state) in &mut colliders {
+    for (entity, user, mut state) in &mut colliders {
         let was_away = !state.freshness.is_seen(&runs);
-        let key = key_of(shows);
+        let key = user.key();
         if !every && !was_away && state.tree == key {
             continue;
         }

@@ -1,4 +1,8 @@
 //! Spatial queries: systems ask about colliders, in world space.
+//!
+//! - `query`: [`MorphSpatialQuery`] and its walk over colliders. `filter`: which of them. `answer`: what queries return.
+//! - `rays`, `shapes`, `points`, `overlaps`, `pairs`, `posed`, `velocity`: the questions.
+//! - `index`: a tree over the boxes of all colliders. `state`: what queries share. `surface`: texture coordinates and joints of a hit.
 
 mod answer;
 mod filter;

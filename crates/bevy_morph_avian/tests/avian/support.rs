@@ -15,6 +15,7 @@ use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
 use crate::log::start;
+pub(crate) use crate::stage::Method;
 
 /// The length of a step in seconds, and of a frame unless a test sets another one.
 pub(crate) const DT: f32 = 1.0 / 60.0;

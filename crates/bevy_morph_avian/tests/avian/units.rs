@@ -1,4 +1,4 @@
-//! Worlds in other units of length: everything is larger or smaller, and behaves the same.
+//! Characters in worlds of other units of length.
 
 use std::path::Path;
 use std::time::Duration;
@@ -9,27 +9,10 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
-use morph_collision_workspace::physics::behaviour::Behaviour;
 use morph_collision_workspace::physics::player::Player;
 
 use crate::log::start;
-use crate::stage::Method;
 use crate::support::{body, place, run};
-
-#[test]
-fn bodies_behave_alike_in_every_unit() {
-    for unit in [0.01, 1.0, 10.0, 100.0] {
-        let found = Behaviour::of(&Method::Ours, unit);
-        println!("{}", found.row(&unit.to_string()));
-        assert!((found.rise - 0.5).abs() < 0.01, "{unit}: {found:?}");
-        assert!(found.gap.abs() < 2e-3, "{unit}: {found:?}");
-        assert!((found.slide - 1.0).abs() < 0.01, "{unit}: {found:?}");
-        assert!((found.slap - 5.0).abs() < 0.1, "{unit}: {found:?}");
-        assert!(found.highest < 0.71, "{unit}: {found:?}");
-        assert!((found.glide - 3.0).abs() < 0.01, "{unit}: {found:?}");
-        assert!(found.wave < 0.08, "{unit}: {found:?}");
-    }
-}
 
 #[test]
 fn a_plate_on_the_head_of_a_character_stays_there_in_every_unit() {

@@ -9,7 +9,8 @@ use bevy_rapier3d::rapier::geometry::ColliderHandle;
 use super::filtered_bodies::FilteredBodies;
 use super::material::ContactMaterial;
 use super::movers::Mover;
-use super::world::{Step, World};
+use super::step::Step;
+use super::world::World;
 use bevy_morph_physics::moving::MovingSurface;
 use bevy_morph_physics::push::{Drive, EnclosedCollider, Exit, Expelling, SolidSurface};
 

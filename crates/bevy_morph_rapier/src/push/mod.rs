@@ -11,6 +11,7 @@ mod obstacles;
 mod part;
 mod prepare;
 mod pushing;
+mod step;
 mod world;
 
 pub(crate) use forces::SteppedWorld;
@@ -20,4 +21,5 @@ pub(crate) use material::{ContactMaterial, no_push};
 pub(crate) use movers::Movers;
 pub(crate) use obstacles::Obstacles;
 pub(crate) use pushing::Pushing;
-pub(crate) use world::{Contexts, Step, World, world};
+pub(crate) use step::Step;
+pub(crate) use world::{Contexts, World, world};

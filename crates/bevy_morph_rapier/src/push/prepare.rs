@@ -15,7 +15,8 @@ use super::material::ContactMaterial;
 use super::movers::Mover;
 use super::part::PartBodies;
 use super::pushing::Pushing;
-use super::world::{Step, World};
+use super::step::Step;
+use super::world::World;
 
 /// How a surface pushes one mover.
 struct Push<'a, 'b> {

@@ -20,7 +20,8 @@ use super::filtered_bodies::FilteredBodies;
 use super::forces::{Forces, SteppedWorld};
 use super::material::ContactMaterial;
 use super::part::PartHandles;
-use super::world::{Step, World};
+use super::step::Step;
+use super::world::World;
 
 /// The parts with which a surface pushes.
 pub(crate) struct Pushing {

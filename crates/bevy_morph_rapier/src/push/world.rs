@@ -1,10 +1,6 @@
 //! The parts of Rapier's world that surfaces read and change.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
 use bevy::prelude::*;
-use bevy_morph_physics::push::StepParams;
 use bevy_rapier3d::plugin::RapierConfiguration;
 use bevy_rapier3d::plugin::context::{
     RapierContextColliders, RapierContextJoints, RapierContextSimulation, RapierRigidBodySet, SimulationToRenderTime,
@@ -13,10 +9,6 @@ use bevy_rapier3d::rapier::dynamics::{
     ImpulseJointSet, IslandManager, MultibodyJointSet, RigidBodyHandle, RigidBodySet, SoftBodySet,
 };
 use bevy_rapier3d::rapier::geometry::ColliderSet;
-
-use super::listeners::ContactListeners;
-use super::movers::Movers;
-use super::obstacles::Obstacles;
 
 /// The physics worlds.
 pub(crate) type Contexts<'w, 's> = Query<
@@ -74,22 +66,4 @@ impl World<'_> {
             true,
         );
     }
-}
-
-/// What surfaces need to know about a step.
-pub(crate) struct Step<'a> {
-    pub(crate) params: StepParams,
-    /// The speed at which bodies are driven out of solid surfaces.
-    pub(crate) expel_speed: f32,
-    pub(crate) movers: &'a Movers,
-    /// Other obstacles, for surfaces on moving dynamic bodies.
-    pub(crate) obstacles: Option<&'a Obstacles>,
-    /// Everything besides movers that needs contacts of surfaces.
-    pub(crate) listeners: &'a ContactListeners,
-    /// Whether Rapier does a single step, perhaps with substeps.
-    pub(crate) once: bool,
-    /// The body on which the surface is.
-    pub(crate) body: Option<RigidBodyHandle>,
-    /// Set while a step is in progress.
-    pub(crate) stepping: &'a Arc<AtomicBool>,
 }

@@ -16,8 +16,8 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
-pub(crate) use morph_collision_workspace::physics::body;
 use morph_collision_workspace::physics::{self, bevy_mesh, settle, sheet, state};
+pub(crate) use morph_collision_workspace::physics::{Method, body};
 
 use crate::log::{Errors, run_here};
 

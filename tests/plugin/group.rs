@@ -103,3 +103,34 @@ fn the_group_runs_in_other_schedules_and_without_some_plugins() {
     let runs = app.world().resource::<Runs>().0;
     assert!((9..=11).contains(&runs), "{runs} runs in 20 frames");
 }
+
+#[test]
+fn one_component_for_physics_takes_effect_in_each_engine() {
+    with_app(
+        |app| {
+            app.add_plugins((
+                RapierPhysicsPlugin::<NoUserData>::default(),
+                avian3d::prelude::PhysicsPlugins::default(),
+                MorphPlugins,
+                MorphRapierPlugin,
+                bevy_morph_avian::MorphAvianPlugin,
+            ))
+            .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(
+                std::time::Duration::from_millis(20),
+            ));
+        },
+        |app, logged| {
+            assert_eq!(logged, [""; 0]);
+            let mesh = add_mesh(app, &cube());
+            let surface = (Mesh3d(mesh), MorphPhysicsCollider::default());
+            let surface = app.world_mut().spawn(surface).id();
+            settle(app);
+            for _ in 0..3 {
+                app.update();
+            }
+            let surface = app.world().entity(surface);
+            assert!(surface.contains::<bevy_rapier3d::prelude::Collider>());
+            assert!(surface.contains::<avian3d::prelude::Collider>());
+        },
+    );
+}

@@ -3,6 +3,7 @@
 mod inside;
 mod layout;
 mod mass;
+mod pair;
 mod patch;
 mod posed;
 mod range;
@@ -11,8 +12,9 @@ mod triangles;
 
 pub use inside::{Probe, is_mirrored, not_closed, one_encloses_other};
 pub use layout::{MeshLayout, MeshLayouts, NONE, add_to_trees};
+pub use pair::{Range, check};
 pub use patch::{LookAhead, Patch};
 pub use posed::Posed;
-pub use range::{MAX_COORDINATE, Range, box_in_range, check, in_range};
+pub use range::{MAX_COORDINATE, box_in_range, in_range};
 pub use surface::MorphSurface;
 pub use triangles::{Triangles, nowhere, pseudo_normals};

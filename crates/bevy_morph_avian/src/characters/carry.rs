@@ -142,7 +142,8 @@ pub(crate) fn carry(
     mut transforms: Query<(&mut Transform, Option<&ChildOf>), Without<RigidBody>>,
     globals: Query<&GlobalTransform>,
     footing: Res<Footing>,
-    (time, length_unit): (Res<Time<Physics>>, Res<PhysicsLengthUnit>),
+    time: Res<Time<Physics>>,
+    length_unit: Res<PhysicsLengthUnit>,
 ) {
     let skin = MoveAndSlideConfig::default().skin_width * length_unit.0;
     for (entity, mut ground) in &mut characters {
@@ -161,11 +162,11 @@ pub(crate) fn carry(
                 .get(character.root)
                 .map(|(at, rotation)| (at.0, *rotation));
             let motion = velocity * time.delta_secs();
-            if let Ok(from) = from
+            if let Ok((from, rotation)) = from
                 && motion != Vec3::ZERO
                 && motion.is_finite()
             {
-                let shift = slide(&isometries.p0(), &character, from, motion, skin, &filter);
+                let shift = slide(&isometries.p0(), &character, from, rotation, motion, skin, &filter);
                 if let Ok((mut transform, parent)) = transforms.get_mut(character.root) {
                     // Avian follows the transform of a collider without a body.
                     let parent = parent.and_then(|parent| globals.get(parent.parent()).ok());
@@ -190,7 +191,8 @@ pub(crate) fn carry(
 fn slide(
     space: &MoveAndSlide,
     character: &CharacterShape,
-    (from, rotation): (Vec3, Rotation),
+    from: Vec3,
+    rotation: Rotation,
     motion: Vec3,
     skin: f32,
     filter: &SpatialQueryFilter,

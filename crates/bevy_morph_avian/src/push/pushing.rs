@@ -134,7 +134,7 @@ impl Pushing {
             {
                 let grounds = self.near.grounds(nearby, moving, params);
                 self.passage
-                    .watch((nearby.collider, nearby.body), shape.as_ref(), flight, &grounds);
+                    .watch(nearby.collider, nearby.body, shape.as_ref(), flight, &grounds);
             }
             // A slowly carried body is not at rest.
             if !stays

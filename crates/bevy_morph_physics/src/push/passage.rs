@@ -112,7 +112,7 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
 
     /// Watches a collider if it moves farther, relative to the surface, than contacts can handle. Colliders that are not convex
     /// are left to the engine.
-    pub fn watch(&mut self, (collider, body): (C, B), shape: &dyn Shape, flight: &Flight, grounds: &[Ground]) {
+    pub fn watch(&mut self, collider: C, body: B, shape: &dyn Shape, flight: &Flight, grounds: &[Ground]) {
         let travel = grounds
             .iter()
             .map(|ground| flight.relative_to(ground))

@@ -201,8 +201,8 @@ impl Pushing {
             && collider.solver_groups().test(push.material.solver_groups)
         {
             let grounds = self.near.grounds(nearby, moving, &push.step.params);
-            let who = (nearby.collider, nearby.body);
-            self.passage.watch(who, collider.shape(), flight, &grounds);
+            self.passage
+                .watch(nearby.collider, nearby.body, collider.shape(), flight, &grounds);
         }
         blended
     }

@@ -129,7 +129,9 @@ impl Pushing {
     pub(crate) fn move_back(
         &mut self,
         moving: &mut MovingSurface,
-        (simulation, bodies, colliders): (&RapierContextSimulation, &mut RigidBodySet, &mut ColliderSet),
+        simulation: &RapierContextSimulation,
+        bodies: &mut RigidBodySet,
+        colliders: &mut ColliderSet,
         budget: &mut Budget,
     ) {
         let end = |collider: ColliderHandle| {

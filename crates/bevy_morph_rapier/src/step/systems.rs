@@ -177,11 +177,11 @@ pub(crate) fn after_step(
             if pushing.repeats {
                 repeating.insert(entity, context);
             }
-            let world = (simulation, &mut bodies.bodies, &mut colliders.colliders);
+            let (bodies, colliders) = (&mut bodies.bodies, &mut colliders.colliders);
             if stepping.has_stepped {
-                pushing.move_back(moving, world, &mut budget);
+                pushing.move_back(moving, simulation, bodies, colliders, &mut budget);
             }
-            pushing.finish(&moving.surface, &mut bodies.bodies, &mut colliders.colliders);
+            pushing.finish(&moving.surface, bodies, colliders);
         }
     }
     report_whole_surfaces(&repeating, &mut touches, |context| {

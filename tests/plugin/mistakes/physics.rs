@@ -1,5 +1,6 @@
 //! Components for physics without a physics engine. With one, see the tests of the crates for engines.
 
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_physics::prelude::*;
 
@@ -27,7 +28,7 @@ fn components_for_physics_without_an_engine_are_told_once() {
             .id();
         app.world_mut().spawn((
             Mesh3d(mesh),
-            bevy::mesh::morph::MeshMorphWeights::default(),
+            MeshMorphWeights::Value { weights: Vec::new() },
             ChildOf(scene),
         ));
     });

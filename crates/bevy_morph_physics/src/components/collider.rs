@@ -86,11 +86,10 @@ pub(super) fn warn_without_engine<C: Component>(mut world: DeferredWorld, contex
         return;
     }
     let entity = context.entity;
-    let name = world
-        .get::<Name>(entity)
-        .map_or_else(|| entity.to_string(), |name| format!("`{name}` ({entity})"));
+    let name = world.get::<Name>(entity);
+    let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
     warn!(
-        "`{}` has no effect on entity {name}, because the app lacks a plugin for a physics engine: write \
+        "`{}` has no effect on entity `{name}`, because the app lacks a plugin for a physics engine: write \
          app.add_plugins(MorphRapierPlugin), from bevy_morph_rapier, or app.add_plugins(MorphAvianPlugin), from bevy_morph_avian",
         ShortName::of::<C>()
     );

@@ -21,7 +21,7 @@ use morph_collision_workspace::character::{
     self, ActSystems, Aim, Dart, HandOnFace, MODEL, Moment, Report, Skin, Tally,
 };
 use morph_collision_workspace::error::ExampleError;
-use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::physics;
 #[cfg(feature = "render")]
@@ -33,14 +33,8 @@ struct Options {
     /// Frames of 1/60 s each.
     #[arg(long, default_value_t = 960, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
-    /// Print numbers instead of drawing. Always on without the feature `render`.
-    #[arg(long)]
-    headless: bool,
     #[command(flatten)]
-    view: ViewOptions,
-    /// Print only the result, as one JSON object.
-    #[arg(long)]
-    json: bool,
+    output: OutputOptions,
 }
 
 /// No more darts than these are on the skin at a time.
@@ -99,9 +93,9 @@ fn shoot(
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
-    if options.view.is_drawn("character", options.headless || options.json)? {
+    if options.output.is_drawn("character")? {
         #[cfg(feature = "render")]
-        return view::run(show(), &options.view);
+        return view::run(show(), &options.output.view);
     }
     let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
     let mut app = app::without_collisions(assets);
@@ -120,7 +114,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         report.look(&mut app, start.elapsed());
     }
     report.finish();
-    print_report(&report, options.json);
+    print_report(&report, options.output.json);
     Ok(())
 }
 

@@ -15,7 +15,7 @@ use morph_collision_workspace::app;
 use morph_collision_workspace::costs::{Cost, Costs, Report};
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::instances::{Instances, in_crowd};
-use morph_collision_workspace::options::{ViewOptions, percentage};
+use morph_collision_workspace::options::{OutputOptions, percentage};
 use morph_collision_workspace::outcome::{exit_code, print_report, progress_bar};
 #[cfg(feature = "render")]
 use morph_collision_workspace::view::{self, Show, clock::Clock, clock::started, group::Group, group::Member};
@@ -35,14 +35,8 @@ struct Options {
     /// How far bodies may move before their pairs are compared again, in percent of a body's length.
     #[arg(long, default_value_t = 0.0, value_parser = percentage)]
     tolerance: f32,
-    /// Print numbers instead of drawing. Always on without the feature `render`.
-    #[arg(long)]
-    headless: bool,
     #[command(flatten)]
-    view: ViewOptions,
-    /// Print only the result, as one JSON object.
-    #[arg(long)]
-    json: bool,
+    output: OutputOptions,
 }
 
 fn main() -> ExitCode {
@@ -53,9 +47,9 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     let count = options.instances as usize;
     let dolphin = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/dolphin_564.glb");
     let file = app::locate(options.model.as_deref().unwrap_or(Path::new(dolphin)))?;
-    if options.view.is_drawn("crowd", options.headless || options.json)? {
+    if options.output.is_drawn("crowd")? {
         #[cfg(feature = "render")]
-        return view::run(show(&file, count, options.model.is_some()), &options.view);
+        return view::run(show(&file, count, options.model.is_some()), &options.output.view);
     }
     // It has the collision plugin. Each instance gets a `MorphColliderScene`.
     let mut app = app::headless(file.parent().unwrap_or(&file));
@@ -88,7 +82,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         apart,
         dense,
     };
-    print_report(&report, options.json);
+    print_report(&report, options.output.json);
     Ok(())
 }
 

@@ -15,7 +15,7 @@ use morph_collision_models::scenes::dolphins as lanes;
 use morph_collision_workspace::app;
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::instances::Instances;
-use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print, print_report, progress_bar};
 use morph_collision_workspace::report::Report;
 use morph_collision_workspace::touching::TouchingBodies;
@@ -39,14 +39,8 @@ struct Options {
     /// Number of swimmers.
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     count: u32,
-    /// Print numbers instead of drawing. Always on without the feature `render`.
-    #[arg(long)]
-    headless: bool,
-    /// Print only the summary, as one JSON object.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    view: ViewOptions,
+    output: OutputOptions,
 }
 
 fn main() -> ExitCode {
@@ -61,9 +55,9 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         assets.join(format!("dolphin_{}.glb", options.triangles))
     });
     let file = app::locate(&model)?;
-    if options.view.is_drawn("dolphins", options.headless || options.json)? {
+    if options.output.is_drawn("dolphins")? {
         #[cfg(feature = "render")]
-        return view::run(show(&file, count, options.model.is_some()), &options.view);
+        return view::run(show(&file, count, options.model.is_some()), &options.output.view);
     }
     let kind = if options.model.is_some() { "body" } else { "dolphin" };
 
@@ -85,7 +79,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
             &changes,
             touching.len(),
         );
-        if !options.json && (!changes.started.is_empty() || !changes.ended.is_empty()) {
+        if !options.output.json && (!changes.started.is_empty() || !changes.ended.is_empty()) {
             progress.suspend(|| print(&changes.describe(frame, kind, &instances.roots)));
         }
         progress.inc(1);
@@ -94,7 +88,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     progress.finish_and_clear();
 
     report.finish();
-    print_report(&report, options.json);
+    print_report(&report, options.output.json);
     Ok(())
 }
 

@@ -17,7 +17,7 @@ use clap::Parser;
 use morph_collision_workspace::app::{is_loaded, locate, ready, update_until, without_collisions};
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::heaving::{self, Game, Hill, MODEL, Player, RATE, Report};
-use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report, progress_bar};
 #[cfg(feature = "render")]
 use morph_collision_workspace::view::{self, Show};
@@ -40,14 +40,8 @@ struct Options {
     /// Random seed for where and how bodies fall.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print numbers instead of drawing. Always on without the feature `render`.
-    #[arg(long)]
-    headless: bool,
     #[command(flatten)]
-    view: ViewOptions,
-    /// Print only the result, as one JSON object.
-    #[arg(long)]
-    json: bool,
+    output: OutputOptions,
 }
 
 fn main() -> ExitCode {
@@ -89,9 +83,9 @@ fn run(options: &Options) -> Result<(), ExampleError> {
             None => MODEL.into(),
         },
     };
-    if options.view.is_drawn("physics", options.headless || options.json)? {
+    if options.output.is_drawn("physics")? {
         #[cfg(feature = "render")]
-        return view::run(show(game), &options.view);
+        return view::run(show(game), &options.output.view);
     }
     let mut app = begin(game)?;
     let progress = progress_bar(options.frames.into());
@@ -103,7 +97,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    print_report(&Report::of(&mut app, times), options.json);
+    print_report(&Report::of(&mut app, times), options.output.json);
     Ok(())
 }
 

@@ -14,7 +14,7 @@ use clap::Parser;
 use morph_collision_workspace::app::{self, update_until};
 use morph_collision_workspace::character::MODEL;
 use morph_collision_workspace::error::ExampleError;
-use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::slap::{self, Felt, Mark, Moment, PERIOD, Report, Role, Side, TICK, Tally};
 #[cfg(feature = "render")]
@@ -26,14 +26,8 @@ struct Options {
     /// Number of slaps.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     slaps: u32,
-    /// Print numbers instead of drawing. Always on without the feature `render`.
-    #[arg(long)]
-    headless: bool,
     #[command(flatten)]
-    view: ViewOptions,
-    /// Print only the result, as one JSON object.
-    #[arg(long)]
-    json: bool,
+    output: OutputOptions,
 }
 
 fn main() -> ExitCode {
@@ -99,9 +93,9 @@ fn feel(
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
-    if options.view.is_drawn("slap", options.headless || options.json)? {
+    if options.output.is_drawn("slap")? {
         #[cfg(feature = "render")]
-        return view::run(show(), &options.view);
+        return view::run(show(), &options.output.view);
     }
     let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
     let mut app = app::without_collisions(assets);
@@ -117,7 +111,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         app.insert_resource(Moment { tick, started: true });
         app.update();
     }
-    print_report(&Report::from(app.world().resource::<Tally>()), options.json);
+    print_report(&Report::from(app.world().resource::<Tally>()), options.output.json);
     Ok(())
 }
 

@@ -30,16 +30,30 @@ pub struct ViewOptions {
     pub bare: bool,
 }
 
-impl ViewOptions {
+/// What the examples that can also print numbers share.
+#[derive(Args, Clone, Debug)]
+pub struct OutputOptions {
+    /// Print numbers instead of drawing. Always on without the feature `render`.
+    #[arg(long)]
+    pub headless: bool,
+    /// How it is drawn.
+    #[command(flatten)]
+    pub view: ViewOptions,
+    /// Print only the result, as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl OutputOptions {
     /// Whether to draw `example`: yes if drawing is built in, unless only numbers are requested.
     ///
     /// # Errors
     /// Pictures are requested, but drawing is not built in.
-    pub fn is_drawn(&self, example: &'static str, numbers: bool) -> Result<bool, ExampleError> {
-        match (cfg!(feature = "render"), self.screenshots.is_some()) {
+    pub fn is_drawn(&self, example: &'static str) -> Result<bool, ExampleError> {
+        match (cfg!(feature = "render"), self.view.screenshots.is_some()) {
             (false, true) => Err(ExampleError::NotDrawn(example)),
             (false, false) => Ok(false),
-            (true, pictures) => Ok(pictures || !numbers),
+            (true, pictures) => Ok(pictures || !(self.headless || self.json)),
         }
     }
 }

@@ -12,9 +12,9 @@ pub(crate) struct Page {
     pub(crate) title: &'static str,
     /// What is measured, and how to read it.
     pub(crate) intro: &'static str,
-    /// How the numbers are made again.
+    /// How the numbers are made again, unless it is `just report --only NAME`.
     pub(crate) command: &'static str,
-    /// The data files.
+    /// The data files, unless there is one, of the same name.
     pub(crate) data: &'static [&'static str],
     /// The origins of its rows.
     pub(crate) origins: Origins,
@@ -32,17 +32,19 @@ impl Page {
 
     /// The Markdown, with links to those data files of the store that exist.
     pub(crate) fn text(&self, store: &Store) -> String {
-        let Self {
-            title, intro, command, ..
-        } = self;
+        let Self { name, title, intro, .. } = self;
+        let command = match self.command {
+            "" => &format!("just report --only {name}"),
+            command => command,
+        };
+        let data = if self.data.is_empty() { &[*name][..] } else { self.data };
         let mut text =
             format!("<!-- Written by `just report`. Change its source instead. -->\n\n# {title}\n\n{intro}\n");
         if self.origins.0.is_empty() {
             return text + &format!("Run `{command}` to fill this page.\n");
         }
         text += &self.origins.to_string();
-        let links: Vec<_> = self
-            .data
+        let links: Vec<_> = data
             .iter()
             .filter(|name| store.path(name).exists())
             .map(|name| format!("[{name}.csv](data/{name}.csv)"))
@@ -60,8 +62,6 @@ impl Page {
 pub(crate) struct Origins(Vec<(String, Vec<String>)>);
 
 impl Origins {
-    pub(crate) const NONE: Self = Self(Vec::new());
-
     pub(crate) fn add(&mut self, measured: &str, title: &str) {
         if !self.0.iter().any(|(of, _)| of == measured) {
             self.0.push((measured.to_owned(), Vec::new()));
@@ -98,8 +98,7 @@ mod tests {
         let page = Page {
             title: "Rays",
             intro: "What rays cost.\n",
-            command: "just report --only rays",
-            data: &["rays"],
+            name: "rays",
             ..Page::default()
         };
         let text = page.text(&store);

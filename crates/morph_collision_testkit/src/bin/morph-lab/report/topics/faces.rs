@@ -11,38 +11,8 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::bench::Experiment;
 use morph_collision_testkit::moments::find_real_model;
 
-use super::{Measure, Topic, page_of_methods};
-use crate::report::candidates;
-use crate::report::context::Context;
-use crate::report::losses::losses;
-use crate::report::page::{Origins, Page};
-use crate::report::race::{Source, measure_topic};
-use crate::report::record::Record;
-
-pub(super) const NAME: &str = "faces";
-
-pub(super) const TOPIC: Topic = Topic {
-    name: NAME,
-    measure: Measure::OneCore(measure),
-    page: |store| page_of_methods(store, PAGE, "all pairs / first pairs"),
-    losses: |store| Ok(losses(&store.rows::<Record>(NAME)?)),
-};
-
-const PAGE: Page = Page {
-    name: NAME,
-    title: "Faces and flip-books",
-    intro: "Models by other people.\n\
-        \n\
-        - Two heads press their faces together and separate, while each plays captured expressions: many targets, most of them active, with weights\n  \
-          that sum to about 10.\n\
-        - Two talking heads touch at their cheeks, and twelve talk in a crowd.\n\
-        - Two galloping horses and two dancers pass through each other. They are flip-books: a target for every recorded frame, two of them active.\n\
-        - Models with many targets have no patches of corners, so a refit of everything blends their vertices one by one.\n",
-    command: "just report --only faces",
-    data: &[NAME],
-    origins: Origins::NONE,
-    body: String::new(),
-};
+use super::EveryMethod;
+use crate::report::race::Source;
 
 /// The files of captured faces, with the names and titles of their scenes.
 const CAPTURED: [(&str, (&str, &str)); 2] = [
@@ -50,35 +20,39 @@ const CAPTURED: [(&str, (&str, &str)); 2] = [
     ("ict_face_skin.glb", ("ict-faces-press", "ICT faces")),
 ];
 
-fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
-    measure_topic(
-        context,
-        NAME,
-        sources(context.every)?,
-        candidates::methods,
-        context.rounds,
-    )
-}
+pub(super) struct Faces;
 
-/// The scenes of this page.
-pub(super) fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {
-    let mut sources = Vec::new();
-    for (file, name) in CAPTURED {
-        sources.push(match find_real_model(file) {
-            Ok(path) => {
-                let mesh = read_meshes(&path).map_err(Box::new)?.into_iter().next();
-                heads(name, mesh.ok_or_else(|| format!("{file}: no mesh"))?, every).into()
-            }
-            Err(missing) => Source::Missing {
-                scene: name.0.to_owned(),
-                reason: missing.to_string(),
-            },
-        });
+impl EveryMethod for Faces {
+    const NAME: &'static str = "faces";
+    const TITLE: &'static str = "Faces and flip-books";
+    const INTRO: &'static str = "Models by other people.\n\
+        \n\
+        - Two heads press their faces together and separate, while each plays captured expressions: many targets, most of them active, with weights\n  \
+          that sum to about 10.\n\
+        - Two talking heads touch at their cheeks, and twelve talk in a crowd.\n\
+        - Two galloping horses and two dancers pass through each other. They are flip-books: a target for every recorded frame, two of them active.\n\
+        - Models with many targets have no patches of corners, so a refit of everything blends their vertices one by one.\n";
+
+    fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {
+        let mut sources = Vec::new();
+        for (file, name) in CAPTURED {
+            sources.push(match find_real_model(file) {
+                Ok(path) => {
+                    let mesh = read_meshes(&path).map_err(Box::new)?.into_iter().next();
+                    heads(name, mesh.ok_or_else(|| format!("{file}: no mesh"))?, every).into()
+                }
+                Err(missing) => Source::Missing {
+                    scene: name.0.to_owned(),
+                    reason: missing.to_string(),
+                },
+            });
+        }
+        for (name, _) in Experiment::characters().filter(|scene| Experiment::walkers().all(|walkers| walkers != *scene))
+        {
+            sources.push(Source::named(name, every)?);
+        }
+        Ok(sources)
     }
-    for (name, _) in Experiment::characters().filter(|scene| Experiment::walkers().all(|walkers| walkers != *scene)) {
-        sources.push(Source::named(name, every)?);
-    }
-    Ok(sources)
 }
 
 /// Two heads that face each other, press their faces together and come apart twice in 400 steps, while each plays its clip.

@@ -94,8 +94,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             Unlike on the other pages, the frames are consecutive: the first 100 of the paper's 400 steps of the pass-through (contact from step 41\n\
             on), of the dolphins, and of two neighbours, and all 400 steps of the skinned characters. The neighbours breathe and turn slowly, a little\n\
             apart, but their boxes overlap. The scripts are written for 60 steps a second; the same motion is also measured at 30 and at 240.\n",
-        command: "just report --only frame_to_frame",
-        data: &[NAME],
         body,
         ..Page::default()
     };

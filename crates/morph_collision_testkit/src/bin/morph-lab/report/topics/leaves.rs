@@ -37,8 +37,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         intro: "`BuildOptions::default()` has at most eight triangles in a leaf, which fill the patches that are blended, placed and compared side by side.\n\
             The other rows differ only in that number. The default is measured twice; the distance of the second measurement from 1 is the noise.\n\
             [tried.md](../tried.md) lists former build options, and why they were removed.\n",
-        command: "just report --only leaves",
-        data: &[NAME],
         body: format!(
             "Times as ratios to the default:\n\n{table}\n## Work and time\n\n{}{}",
             details::HOW_TO_READ,

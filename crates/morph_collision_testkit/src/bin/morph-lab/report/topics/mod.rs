@@ -19,11 +19,13 @@ use std::error::Error;
 
 use morph_collision_testkit::report::Store;
 
+use crate::report::candidates;
 use crate::report::comparison::{self, limits, rivals};
 use crate::report::context::Context;
 use crate::report::details::{self, details};
 use crate::report::losses::{Loss, losses, losses_table};
 use crate::report::page::Page;
+use crate::report::race::{Source, measure_topic};
 use crate::report::record::{Record, scenes};
 
 /// Measures and stores rows.
@@ -51,10 +53,10 @@ pub(crate) struct Topic {
 
 /// All topics, in the order in which they are measured.
 pub(crate) const TOPICS: [Topic; 13] = [
-    methods::TOPIC,
-    faces::TOPIC,
-    skinned::TOPIC,
-    rays::TOPIC,
+    of_every_method::<methods::GeneratedMeshes>(),
+    of_every_method::<faces::Faces>(),
+    of_every_method::<skinned::Skinned>(),
+    of_every_method::<rays::Rays>(),
     frame_to_frame::TOPIC,
     paper::TOPIC,
     scale::TOPIC,
@@ -75,7 +77,11 @@ pub(crate) fn measured_names() -> Vec<&'static str> {
 /// The rows of all methods that compare pairs of bodies.
 pub(crate) fn of_bodies(store: &Store) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut rows = Vec::new();
-    for name in [methods::NAME, faces::NAME, skinned::NAME] {
+    for name in [
+        methods::GeneratedMeshes::NAME,
+        faces::Faces::NAME,
+        skinned::Skinned::NAME,
+    ] {
         rows.extend(store.rows::<Record>(name)?);
     }
     Ok(rows)
@@ -83,17 +89,41 @@ pub(crate) fn of_bodies(store: &Store) -> Result<Vec<Record>, Box<dyn Error>> {
 
 /// The rows of all methods that cast rays.
 pub(crate) fn of_rays(store: &Store) -> Result<Vec<Record>, Box<dyn Error>> {
-    store.rows(rays::NAME)
+    store.rows(rays::Rays::NAME)
 }
 
 fn no_losses(_: &Store) -> Result<Vec<Loss>, Box<dyn Error>> {
     Ok(Vec::new())
 }
 
-/// The page of a topic whose rows compare all methods.
-fn page_of_methods(store: &Store, page: Page, questions: &str) -> Result<Page, Box<dyn Error>> {
-    let rows: Vec<Record> = store.rows(page.name)?;
-    let mut body = format!("{}\n{}", comparison::HOW_TO_READ, rivals(scenes(&rows), questions));
+/// A topic that runs every method in some scenes.
+trait EveryMethod {
+    const NAME: &'static str;
+    const TITLE: &'static str;
+    /// What is measured, and how to read it.
+    const INTRO: &'static str;
+    /// What the methods are asked.
+    const QUESTIONS: &'static str = "all pairs / first pairs";
+
+    /// The scenes, of which every Nth step is used.
+    fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>>;
+}
+
+const fn of_every_method<T: EveryMethod>() -> Topic {
+    Topic {
+        name: T::NAME,
+        measure: Measure::OneCore(|context| {
+            let sources = T::sources(context.every)?;
+            measure_topic(context, T::NAME, sources, candidates::methods, context.rounds)
+        }),
+        page: page_of_every_method::<T>,
+        losses: |store| Ok(losses(&store.rows::<Record>(T::NAME)?)),
+    }
+}
+
+fn page_of_every_method<T: EveryMethod>(store: &Store) -> Result<Page, Box<dyn Error>> {
+    let rows: Vec<Record> = store.rows(T::NAME)?;
+    let mut body = format!("{}\n{}", comparison::HOW_TO_READ, rivals(scenes(&rows), T::QUESTIONS));
     if rows.iter().any(|row| row.method == "rigid-floor") {
         body += &format!(
             "\n## The lower limit, the method and the engineering\n\n{}",
@@ -101,13 +131,17 @@ fn page_of_methods(store: &Store, page: Page, questions: &str) -> Result<Page, B
         );
     }
     body += &format!(
-        "\n## Where another method is faster\n\n{}",
-        losses_table(&losses(&rows))
-    );
-    body += &format!(
-        "\n## Work and time of every method\n\n{}{}",
+        "\n## Where another method is faster\n\n{}\n## Work and time of every method\n\n{}{}",
+        losses_table(&losses(&rows)),
         details::HOW_TO_READ,
         details(&rows)
     );
-    Ok(Page { body, ..page }.about(rows.iter().map(Record::origin)))
+    let page = Page {
+        name: T::NAME,
+        title: T::TITLE,
+        intro: T::INTRO,
+        body,
+        ..Page::default()
+    };
+    Ok(page.about(rows.iter().map(Record::origin)))
 }

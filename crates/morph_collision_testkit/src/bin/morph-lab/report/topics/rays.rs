@@ -4,49 +4,33 @@ use std::error::Error;
 
 use morph_collision_testkit::bench::Experiment;
 
-use super::{Measure, Topic, page_of_methods};
-use crate::report::candidates;
-use crate::report::context::Context;
-use crate::report::losses::losses;
-use crate::report::page::{Origins, Page};
-use crate::report::race::{Source, measure_topic};
-use crate::report::record::Record;
+use super::EveryMethod;
+use crate::report::race::Source;
 
-pub(super) const NAME: &str = "rays";
+pub(super) struct Rays;
 
-pub(super) const TOPIC: Topic = Topic {
-    name: NAME,
-    measure: Measure::OneCore(measure),
-    page: |store| page_of_methods(store, PAGE, "one ray / a hundred rays"),
-    losses: |store| Ok(losses(&store.rows::<Record>(NAME)?)),
-};
-
-const PAGE: Page = Page {
-    name: NAME,
-    title: "Rays",
-    intro: "The closest hit of one ray or of a hundred rays in a frame, on a talking head and on a skinned character that walks and talks. New weights\n\
+impl EveryMethod for Rays {
+    const NAME: &'static str = "rays";
+    const TITLE: &'static str = "Rays";
+    const INTRO: &'static str = "The closest hit of one ray or of a hundred rays in a frame, on a talking head and on a skinned character that walks and talks. New weights\n\
         and new joints arrive in every frame.\n\
         \n\
         - Most rivals place all vertices, refit, and cast. They pay for that once, however many rays there are. Ours blends the boxes that each ray is\n  \
           the first to visit.\n\
         - `joint-boxes` fits boxes to the posed vertices only where a ray visits.\n\
         - Rivals test triangles in `f64` without a guarantee at edges; our test is exact.\n\
-        - `morph-eager` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n",
-    command: "just report --only rays",
-    data: &[NAME],
-    origins: Origins::NONE,
-    body: String::new(),
-};
+        - `morph-eager` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n";
+    const QUESTIONS: &'static str = "one ray / a hundred rays";
 
-fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
-    let mut sources = Vec::new();
-    for (name, _) in Experiment::with_rays() {
-        // One and a hundred rays are two questions about the same scene.
-        let scene = name.rsplit_once('-').map_or(name, |(scene, _)| scene);
-        let source = Source::named(name, context.every)?;
-        sources.push(source.renamed(scene.to_owned(), |experiment| {
-            experiment.title = experiment.title.replace("a ray", "rays");
-        }));
+    fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {
+        let mut sources = Vec::new();
+        for (name, _) in Experiment::with_rays() {
+            // One and a hundred rays are two questions about the same scene.
+            let scene = name.rsplit_once('-').map_or(name, |(scene, _)| scene);
+            sources.push(Source::named(name, every)?.renamed(scene.to_owned(), |experiment| {
+                experiment.title = experiment.title.replace("a ray", "rays");
+            }));
+        }
+        Ok(sources)
     }
-    measure_topic(context, NAME, sources, candidates::methods, context.rounds)
 }

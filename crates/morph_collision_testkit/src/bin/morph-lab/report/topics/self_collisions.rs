@@ -214,8 +214,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             \n\
             In the counts, a pair of triangles is tested if their boxes overlap; ours has a vertex once for each leaf in\n\
             which it is blended.\n",
-        command: "just report --only self_collisions",
-        data: &[NAME],
         body,
         ..Page::default()
     };

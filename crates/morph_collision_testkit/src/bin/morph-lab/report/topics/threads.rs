@@ -194,8 +194,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             \n\
             `ThreadWorkers` starts its threads anew in each frame, so small frames gain least. Use the engine's threads (`Workers`) instead. Weights, bounds,\n\
             the broad phase and collecting answers run on one thread.\n",
-        command: "just report --only threads",
-        data: &[NAME],
         body: format!("{plot}\n{table}"),
         ..Page::default()
     };

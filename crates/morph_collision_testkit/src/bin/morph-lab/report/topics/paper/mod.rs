@@ -61,7 +61,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         title: "The paper's experiments",
         intro: "The measurements of [the paper](../references.md), repeated: its Fig. 5 (every step), its Fig. 8 (resolution), and the numbers in its text.\n\
             The paper's processor ran at 1333 MHz and its hybrid was another program, so only ratios can be compared.\n",
-        command: "just report --only paper",
         data: &[NAME, steps::DATA],
         body,
         ..Page::default()

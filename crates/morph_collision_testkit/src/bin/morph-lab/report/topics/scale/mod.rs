@@ -112,7 +112,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             - All targets are active, at weights of both signs. Sizes of 16 of them sum to about 4. They stay there with more targets, or grow along where\n  \
               that is said, to about 70. Our boxes grow looser with the sum of weights, and boxes fitted to the vertices do not; `Pose::refit` makes ours\n  \
               tight while weights stay the same.\n",
-        command: "just report --only scale",
         data: &[NAME, BYTES],
         body: format!("{plot}\nBoth axes are logarithmic.\n{tables}"),
         ..Page::default()

@@ -99,7 +99,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         name: NAME,
         title: "Worst cases",
         intro: "What queries cost when data is at its worst: two meshes of 1280 triangles each, in milliseconds, with the answer.\n",
-        command: "just report --only worst_cases",
         data: &[STILL, ONE, MOTIONS],
         body: format!(
             "## Bodies at rest\n\n\

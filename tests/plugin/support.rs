@@ -8,8 +8,6 @@ use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::rigid;
-use morph_collision_models::generated::rigid;
-use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::headless;
 pub(crate) use morph_collision_workspace::physics::bevy_mesh;

@@ -13,7 +13,7 @@ use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
+use morph_collision_models::{generated::rigid, mesh::MorphMesh};
 
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;

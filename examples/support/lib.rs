@@ -1,5 +1,13 @@
 //! Shared by the examples and the whole-plugin tests: a headless Bevy app, models in it, and reports. The feature `render`
 //! adds the code that draws.
+//!
+//! # Order of the folders
+//!
+//! A folder uses only those to its right:
+//!
+//! ```text
+//! shows > character, heaving, own, slap > report, view > crowd, instances, physics > app, options > costs, drawn, error, outcome, touching
+//! ```
 // Systems need many parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 

@@ -12,7 +12,7 @@ use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices, world_ve
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use crate::support::{add_mesh, bevy_mesh};
+use crate::support::{Edits, add_mesh, bevy_mesh};
 
 pub(crate) struct Actor {
     pub(crate) entity: Entity,
@@ -53,7 +53,7 @@ pub(crate) fn blobs(app: &mut App, level: u32, colliders: &[MorphCollider]) -> V
         let handle = add_mesh(app, &mesh);
         let entity = (Mesh3d(handle), Transform::default(), collider);
         Actor {
-            entity: app.world_mut().spawn(entity).id(),
+            entity: app.spawn(entity),
             mesh,
             collider,
             skin: None,
@@ -126,7 +126,7 @@ pub(crate) fn scatter(app: &mut App, actors: &[Actor], rng: &mut Pcg64Mcg) {
                 for &joint in joints {
                     let near = root.translation + 0.1 * place().translation;
                     let joint_place = place().with_translation(near);
-                    app.world_mut().entity_mut(joint).insert(joint_place);
+                    app.insert(joint, joint_place);
                 }
             }
         }
@@ -151,23 +151,19 @@ pub(crate) fn animate(app: &mut App, actors: &[Actor], frame: usize, rng: &mut P
             (phase * 3.0).sin(),
         ) * 1.1;
         let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.5 * time + phase));
-        app.world_mut().entity_mut(actor.entity).insert(weights);
+        app.insert(actor.entity, weights);
         if actor.skin.is_none() {
             let jump = if rng.random_bool(0.02) {
                 Vec3::X * 3.0
             } else {
                 Vec3::ZERO
             };
-            app.world_mut()
-                .entity_mut(actor.entity)
-                .insert(place.with_translation(at + jump));
+            app.insert(actor.entity, place.with_translation(at + jump));
         } else if let Some((joints, _)) = &actor.skin {
             for (k, &joint) in joints.iter().enumerate() {
                 let turn = Quat::from_rotation_z(0.4 * (time * 2.0 + phase + k as f32).sin());
                 let at = at + turn * Vec3::X * (k as f32 - 0.5) * 0.2;
-                app.world_mut()
-                    .entity_mut(joint)
-                    .insert(Transform::from_translation(at).with_rotation(turn));
+                app.insert(joint, Transform::from_translation(at).with_rotation(turn));
             }
         }
     }

@@ -4,7 +4,9 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::support::{add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches};
+use crate::support::{
+    Edits, add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches,
+};
 
 /// A stretching cube, and the index of its triangle that faces +X.
 fn cube_and_side() -> (App, Entity, u32) {
@@ -29,11 +31,8 @@ fn place_of(app: &App, entity: Entity) -> Vec3 {
 fn a_hat_goes_with_the_morph_and_with_the_body_in_the_same_frame() {
     let (mut app, cube, side) = cube_and_side();
     let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0)).with_offset(0.25);
-    let hat = app.world_mut().spawn(anchor).id();
-    let feather = app
-        .world_mut()
-        .spawn((Transform::from_xyz(0.0, 0.5, 0.0), ChildOf(hat)))
-        .id();
+    let hat = app.spawn(anchor);
+    let feather = app.spawn((Transform::from_xyz(0.0, 0.5, 0.0), ChildOf(hat)));
     for (weight, x) in [(0.0, 0.0), (1.0, 0.0), (-0.25, 2.0), (2.0, -3.0)] {
         set_weight(&mut app, cube, weight);
         move_to(&mut app, cube, x);
@@ -61,9 +60,9 @@ fn a_child_of_the_body_is_placed_relative_to_it() {
     let scaled = Transform::from_xyz(1.0, 2.0, 3.0)
         .with_rotation(Quat::from_rotation_y(0.7))
         .with_scale(Vec3::splat(2.0));
-    app.world_mut().entity_mut(cube).insert(scaled);
+    app.insert(cube, scaled);
     let decal = (anchor, Transform::from_scale(Vec3::splat(0.1)), ChildOf(cube));
-    let decal = app.world_mut().spawn(decal).id();
+    let decal = app.spawn(decal);
     set_weight(&mut app, cube, 0.5);
     app.update();
     app.update();
@@ -85,7 +84,7 @@ fn an_anchor_without_a_surface_stays_where_it_is() {
         MorphSurfaceAnchor::new(cube, 999, Vec3::X),
         MorphSurfaceAnchor::new(nobody, 0, Vec3::X),
     ] {
-        let stuck = app.world_mut().spawn((anchor, at)).id();
+        let stuck = app.spawn((anchor, at));
         app.update();
         assert_eq!(app.world().get::<Transform>(stuck), Some(&at));
     }
@@ -94,8 +93,7 @@ fn an_anchor_without_a_surface_stays_where_it_is() {
 #[test]
 fn an_anchor_at_rest_is_not_written() {
     let (mut app, cube, side) = cube_and_side();
-    app.world_mut()
-        .spawn(MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0)));
+    app.spawn(MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0)));
     app.update();
     app.update();
     #[derive(Resource, Default)]
@@ -128,13 +126,13 @@ fn on_a_stretched_or_mirrored_body_up_is_still_along_the_normal() {
         let body = Transform::from_xyz(1.0, 2.0, 3.0)
             .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.4, 0.9, -0.3))
             .with_scale(scale);
-        app.world_mut().entity_mut(cube).insert(body);
+        app.insert(cube, body);
         // A parent that stretches across the surface's directions.
         let parent = Transform::from_rotation(Quat::from_rotation_z(0.8)).with_scale(scale.yzx());
-        let parent = app.world_mut().spawn(parent).id();
+        let parent = app.spawn(parent);
         for parent in [cube, parent] {
             let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0));
-            let hat = app.world_mut().spawn((anchor, ChildOf(parent))).id();
+            let hat = app.spawn((anchor, ChildOf(parent)));
             app.update();
             let shape = stretching_cube();
             let corners = shape.triangles[side as usize].map(|corner| shape.positions[corner as usize]);
@@ -156,9 +154,9 @@ fn an_anchor_below_an_anchor_is_right_in_the_same_frame() {
     let (mut app, cube, side) = cube_and_side();
     let at = |barycentrics| MorphSurfaceAnchor::new(cube, side, barycentrics);
     // The lower one is spawned first.
-    let below = app.world_mut().spawn(at(Vec3::X)).id();
-    let above = app.world_mut().spawn(at(Vec3::Y)).id();
-    app.world_mut().entity_mut(below).insert(ChildOf(above));
+    let below = app.spawn(at(Vec3::X));
+    let above = app.spawn(at(Vec3::Y));
+    app.insert(below, ChildOf(above));
     for weight in [0.5, 1.5, -0.25] {
         set_weight(&mut app, cube, weight);
         app.update();
@@ -172,7 +170,7 @@ fn an_anchor_below_an_anchor_is_right_in_the_same_frame() {
 /// An anchor in the middle of the side that faces +X, which is at `x + 0.5 + weight`.
 fn spawn_hat(app: &mut App, cube: Entity, side: u32) -> Entity {
     let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0));
-    app.world_mut().spawn(anchor).id()
+    app.spawn(anchor)
 }
 
 /// Moves and morphs the cube a little further with each frame, and checks that the hat keeps up.
@@ -200,10 +198,10 @@ fn a_hat_follows_in_every_frame_when_collisions_are_found_in_a_fixed_schedule() 
 fn a_hat_follows_what_is_drawn_while_collisions_are_paused_or_its_collider_is_disabled() {
     let (mut app, cube, side) = cube_and_side();
     let hat = spawn_hat(&mut app, cube, side);
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    app.settings().paused = true;
     keeps_up(&mut app, cube, hat);
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
-    app.world_mut().entity_mut(cube).insert(MorphColliderDisabled);
+    app.settings().paused = false;
+    app.insert(cube, MorphColliderDisabled);
     app.update();
     keeps_up(&mut app, cube, hat);
 }
@@ -263,19 +261,19 @@ fn following_between_ticks_takes_nothing_from_collisions() {
 fn an_anchor_to_a_shape_or_to_a_mesh_without_a_tree_is_not_written() {
     let (mut app, cube_, side) = cube_and_side();
     let shape = (MorphShape::default(), Transform::from_xyz(3.0, 0.0, 0.0));
-    let shape = app.world_mut().spawn(shape).id();
-    app.world_mut().entity_mut(cube_).insert(MorphShape::default());
+    let shape = app.spawn(shape);
+    app.insert(cube_, MorphShape::default());
     let unloaded = app.world().resource::<Assets<Mesh>>().reserve_handle();
     let unloaded = spawn(&mut app, &unloaded, 0.0);
     let at = Transform::from_xyz(7.0, 8.0, 9.0);
     for collider in [shape, cube_, unloaded] {
         let hat = spawn_hat(&mut app, collider, side);
-        app.world_mut().entity_mut(hat).insert(at);
+        app.insert(hat, at);
         app.update();
         app.update();
         assert_eq!(app.world().get::<Transform>(hat), Some(&at));
     }
-    app.world_mut().entity_mut(cube_).remove::<MorphShape>();
+    app.remove::<MorphShape>(cube_);
     let hat = spawn_hat(&mut app, cube_, side);
     keeps_up(&mut app, cube_, hat);
 }

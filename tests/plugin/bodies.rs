@@ -5,22 +5,21 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::load_gltf;
 
-use crate::support::{Messages, add_mesh, app, assets, cube, diagnostics, settle, spawn, stretching_cube, touches};
+use crate::support::{
+    Edits, Messages, add_mesh, app, assets, cube, diagnostics, settle, spawn, stretching_cube, touches,
+};
 
 #[test]
 fn parts_of_one_body_collide_with_others_but_not_with_each_other() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
-    let root = app
-        .world_mut()
-        .spawn(MorphColliderScene {
-            only_deforming: false,
-            ..default()
-        })
-        .id();
+    let root = app.spawn(MorphColliderScene {
+        only_deforming: false,
+        ..default()
+    });
     let parts = [0.0, 0.5].map(|x| {
         let part = (Mesh3d(mesh.clone()), Transform::from_xyz(x, 0.0, 0.0), ChildOf(root));
-        app.world_mut().spawn(part).id()
+        app.spawn(part)
     });
     let other = spawn(&mut app, &mesh, 0.8);
     settle(&mut app);
@@ -43,11 +42,11 @@ fn the_same_body_named_by_hand_keeps_colliders_apart() {
     assert!(touches(&app, a, b));
     let root = app.world_mut().spawn_empty().id();
     for part in [a, b] {
-        app.world_mut().entity_mut(part).insert(MorphColliderOf { body: root });
+        app.insert(part, MorphColliderOf { body: root });
     }
     app.update();
     assert!(!touches(&app, a, b));
-    app.world_mut().entity_mut(b).remove::<MorphColliderOf>();
+    app.remove::<MorphColliderOf>(b);
     app.update();
     assert!(touches(&app, a, b), "two bodies again, though nothing moved");
 }
@@ -56,10 +55,10 @@ fn the_same_body_named_by_hand_keeps_colliders_apart() {
 fn rigid_parts_are_left_out_unless_asked_for() {
     let mut app = app();
     let (rigid, morphing) = (add_mesh(&mut app, &cube()), add_mesh(&mut app, &stretching_cube()));
-    let root = app.world_mut().spawn(MorphColliderScene::default()).id();
-    let rigid = app.world_mut().spawn((Mesh3d(rigid), ChildOf(root))).id();
+    let root = app.spawn(MorphColliderScene::default());
+    let rigid = app.spawn((Mesh3d(rigid), ChildOf(root)));
     let weights = bevy::mesh::morph::MeshMorphWeights::Value { weights: vec![0.0] };
-    let morphing = app.world_mut().spawn((Mesh3d(morphing), weights, ChildOf(root))).id();
+    let morphing = app.spawn((Mesh3d(morphing), weights, ChildOf(root)));
     settle(&mut app);
     assert!(app.world().get::<MorphCollider>(rigid).is_none());
     assert_eq!(body_of(&app, morphing), Some(root));
@@ -74,12 +73,12 @@ fn a_mesh_that_comes_into_the_scene_later_becomes_a_part() {
         only_deforming: false,
         ..default()
     };
-    let root = app.world_mut().spawn(scene).id();
-    let branch = app.world_mut().spawn(Transform::default()).id();
-    let part = app.world_mut().spawn((Mesh3d(mesh), ChildOf(branch))).id();
+    let root = app.spawn(scene);
+    let branch = app.spawn(Transform::default());
+    let part = app.spawn((Mesh3d(mesh), ChildOf(branch)));
     settle(&mut app);
     assert!(app.world().get::<MorphCollider>(part).is_none());
-    app.world_mut().entity_mut(branch).insert(ChildOf(root));
+    app.insert(branch, ChildOf(root));
     app.update();
     assert_eq!(body_of(&app, part), Some(root));
 }
@@ -95,7 +94,7 @@ fn spawn_dolphin(app: &mut App, bundle: impl Bundle) -> Entity {
     let files = app.world().resource::<Assets<Gltf>>();
     let scene = files.get(&gltf).and_then(|gltf| gltf.default_scene.clone());
     let scene = scene.expect("the dolphin's file has a scene");
-    app.world_mut().spawn((WorldAssetRoot(scene), bundle)).id()
+    app.spawn((WorldAssetRoot(scene), bundle))
 }
 
 fn bodies(app: &mut App) -> Vec<Entity> {
@@ -115,10 +114,13 @@ fn a_loaded_scene_collides_whether_the_component_comes_before_or_after_it() {
     let late = spawn_dolphin(&mut app, Transform::default());
     settle(&mut app);
     assert_eq!(bodies(&mut app), [early]);
-    app.world_mut().entity_mut(late).insert(MorphColliderScene {
-        events: true,
-        ..default()
-    });
+    app.insert(
+        late,
+        MorphColliderScene {
+            events: true,
+            ..default()
+        },
+    );
     app.update();
     assert_eq!(diagnostics(&app).touching_pairs, 1, "they are in the same place");
     let mut with_events = app
@@ -129,7 +131,7 @@ fn a_loaded_scene_collides_whether_the_component_comes_before_or_after_it() {
 
     let mut messages = Messages::default();
     messages.read(&app);
-    app.world_mut().entity_mut(late).remove::<MorphColliderScene>();
+    app.remove::<MorphColliderScene>(late);
     app.update();
     assert_eq!(bodies(&mut app), [early]);
     assert_eq!(messages.read(&app).1.len(), 1);
@@ -144,19 +146,19 @@ fn a_scene_takes_back_what_it_gave_and_no_more() {
         events: true,
         ..default()
     };
-    let root = app.world_mut().spawn(scene).id();
-    let made = app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id();
+    let root = app.spawn(scene);
+    let made = app.spawn((Mesh3d(mesh.clone()), ChildOf(root)));
     let own = (
         Mesh3d(mesh.clone()),
         MorphCollider::new(MorphCollisionMode::First),
         ChildOf(root),
     );
-    let own = app.world_mut().spawn(own).id();
+    let own = app.spawn(own);
     let hitbox = (MorphShape::Ball { radius: 1.0 }, MorphColliderOf { body: root });
-    let hitbox = app.world_mut().spawn(hitbox).id();
+    let hitbox = app.spawn(hitbox);
     settle(&mut app);
     assert!(app.world().get::<MorphCollider>(made).is_some());
-    app.world_mut().entity_mut(root).remove::<MorphColliderScene>();
+    app.remove::<MorphColliderScene>(root);
     app.update();
     let world = app.world();
     assert!(world.get::<MorphCollider>(made).is_none() && world.get::<MorphCollisionEventsEnabled>(made).is_none());
@@ -176,15 +178,15 @@ fn a_part_goes_over_to_the_scene_that_it_is_hung_on() {
         only_deforming: false,
         ..default()
     };
-    let knights = [0, 1].map(|_| app.world_mut().spawn(scene()).id());
-    let sword = app.world_mut().spawn((Mesh3d(mesh), ChildOf(knights[0]))).id();
+    let knights = [0, 1].map(|_| app.spawn(scene()));
+    let sword = app.spawn((Mesh3d(mesh), ChildOf(knights[0])));
     settle(&mut app);
     let body = |app: &App| body_of(app, sword);
     assert_eq!(body(&app), Some(knights[0]));
-    app.world_mut().entity_mut(sword).insert(ChildOf(knights[1]));
+    app.insert(sword, ChildOf(knights[1]));
     app.update();
     assert_eq!(body(&app), Some(knights[1]));
-    app.world_mut().entity_mut(sword).remove::<ChildOf>();
+    app.remove::<ChildOf>(sword);
     app.update();
     assert_eq!(body(&app), None);
     assert!(app.world().get::<MorphCollider>(sword).is_none());

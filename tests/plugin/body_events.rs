@@ -9,7 +9,7 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, load_gltf};
 
 use crate::log::start;
-use crate::support::{BodyMessages, Messages, add_mesh, app, cube, move_to, settle, spawn, stretching_cube};
+use crate::support::{BodyMessages, Edits, Messages, add_mesh, app, cube, move_to, settle, spawn, stretching_cube};
 
 /// The events heard on one body.
 #[derive(Resource, Default, Debug)]
@@ -81,7 +81,7 @@ fn app_with_head() -> (App, Entity) {
     let scene = files.get(&gltf).and_then(|gltf| gltf.default_scene.clone());
     let scene = WorldAssetRoot(scene.expect("the head's file has a scene"));
     let head = (scene, MorphColliderScene::default(), MorphCollidingEntities::default());
-    let root = app.world_mut().spawn(head).id();
+    let root = app.spawn(head);
     observe(&mut app, root);
     settle(&mut app);
     (app, root)
@@ -99,7 +99,7 @@ fn a_head_of_five_parts_and_a_ball_have_one_start_and_one_end() {
     let parts = parts.expect("the parts are colliders of the root");
     assert_eq!(parts.len(), 5);
     let place = Transform::from_xyz(-2.0, 0.5, 0.0);
-    let ball = app.world_mut().spawn((MorphShape::from(Sphere::new(0.3)), place)).id();
+    let ball = app.spawn((MorphShape::from(Sphere::new(0.3)), place));
     app.update();
     let (mut of_colliders, mut of_bodies) = (Messages::default(), BodyMessages::default());
     let (mut starts, mut ends) = (0, 0);
@@ -108,9 +108,7 @@ fn a_head_of_five_parts_and_a_ball_have_one_start_and_one_end() {
     let is_there = |x: f32| x > -0.8 && x < 5.6;
     for step in 0..90 {
         let x = -2.05 + 0.1 * step as f32;
-        app.world_mut()
-            .entity_mut(ball)
-            .insert(place.with_translation(Vec3::new(x, 0.5, 0.0)));
+        app.insert(ball, place.with_translation(Vec3::new(x, 0.5, 0.0)));
         app.update();
         let (started, ended) = of_colliders.read(&app);
         (starts, ends) = (starts + started.len(), ends + ended.len());
@@ -146,7 +144,7 @@ fn a_head_of_five_parts_and_a_ball_have_one_start_and_one_end() {
 fn edits_of_a_scene_reach_its_parts() {
     let (mut app, root) = app_with_head();
     let ball = (MorphShape::from(Sphere::new(0.3)), Transform::from_xyz(-1.0, 0.5, 0.0));
-    let ball = app.world_mut().spawn(ball).id();
+    let ball = app.spawn(ball);
     app.update();
     let edit = |app: &mut App, edit: &dyn Fn(&mut MorphColliderScene)| {
         edit(
@@ -168,7 +166,7 @@ fn edits_of_a_scene_reach_its_parts() {
     assert_eq!(edit(&mut app, &|scene| scene.only_named = vec!["tail".into()]), (2, 2));
     assert_eq!(edit(&mut app, &|scene| scene.only_named = vec!["head".into()]), (3, 2));
     assert_eq!(listed(&app, root), [ball]);
-    app.world_mut().entity_mut(root).remove::<MorphColliderScene>();
+    app.remove::<MorphColliderScene>(root);
     app.update();
     assert_eq!((Heard::counts(&app), listed(&app, root)), ((3, 3), vec![]));
 }
@@ -177,10 +175,10 @@ fn edits_of_a_scene_reach_its_parts() {
 fn body_and_cube() -> (App, Entity, [Entity; 2], Entity) {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
-    let body = app.world_mut().spawn(MorphCollidingEntities::default()).id();
+    let body = app.spawn(MorphCollidingEntities::default());
     let parts = [0.0, 1.5].map(|x| spawn(&mut app, &mesh, x));
     for part in parts {
-        app.world_mut().entity_mut(part).insert(MorphColliderOf { body });
+        app.insert(part, MorphColliderOf { body });
     }
     let other = spawn(&mut app, &mesh, -0.8);
     observe(&mut app, body);
@@ -217,15 +215,15 @@ fn which_parts_touch_is_no_event() {
 fn disabled_parts_let_go() {
     let (mut app, _, [first, _], _) = body_and_cube();
     for round in 1..3 {
-        app.world_mut().entity_mut(first).insert(MorphColliderDisabled);
+        app.insert(first, MorphColliderDisabled);
         app.update();
         assert_eq!(Heard::counts(&app), (2 * round - 1, 2 * round - 1));
-        app.world_mut().entity_mut(first).remove::<MorphColliderDisabled>();
+        app.remove::<MorphColliderDisabled>(first);
         app.update();
-        app.world_mut().entity_mut(first).insert(Disabled);
+        app.insert(first, Disabled);
         app.update();
         assert_eq!(Heard::counts(&app), (2 * round, 2 * round));
-        app.world_mut().entity_mut(first).remove::<Disabled>();
+        app.remove::<Disabled>(first);
         app.update();
     }
 }
@@ -236,14 +234,14 @@ fn a_part_that_changes_its_body_ends_one_touch_and_starts_another() {
     let mut messages = BodyMessages::default();
     read(&mut messages, &app);
     let new = app.world_mut().spawn_empty().id();
-    app.world_mut().entity_mut(first).insert(MorphColliderOf { body: new });
+    app.insert(first, MorphColliderOf { body: new });
     app.update();
     assert_eq!(
         read(&mut messages, &app),
         (vec![pair(new, other)], vec![pair(body, other)])
     );
     assert_eq!((Heard::counts(&app), listed(&app, body)), ((1, 1), vec![]));
-    app.world_mut().entity_mut(first).remove::<MorphColliderOf>();
+    app.remove::<MorphColliderOf>(first);
     app.update();
     assert_eq!(
         read(&mut messages, &app),
@@ -280,7 +278,7 @@ fn nothing_starts_or_ends_while_collisions_are_paused() {
     let mut messages = BodyMessages::default();
     read(&mut messages, &app);
     let pause = |app: &mut App, paused: bool| {
-        app.world_mut().resource_mut::<MorphCollisionSettings>().paused = paused;
+        app.settings().paused = paused;
         app.update();
     };
     pause(&mut app, true);
@@ -290,7 +288,7 @@ fn nothing_starts_or_ends_while_collisions_are_paused() {
     pause(&mut app, false);
     assert_eq!(read(&mut messages, &app), (vec![], vec![]), "nobody saw it");
     pause(&mut app, true);
-    app.world_mut().entity_mut(first).remove::<MorphColliderOf>();
+    app.remove::<MorphColliderOf>(first);
     app.update();
     assert_eq!(read(&mut messages, &app), (vec![], vec![]));
     pause(&mut app, false);
@@ -319,9 +317,7 @@ fn a_collider_without_a_body_is_told_as_a_body() {
 #[test]
 fn the_list_on_an_entity_follows_whether_it_is_a_body() {
     let (mut app, body, _, other) = body_and_cube();
-    app.world_mut()
-        .entity_mut(other)
-        .insert(MorphCollidingEntities::default());
+    app.insert(other, MorphCollidingEntities::default());
     app.update();
     let [first, _] = [0, 1].map(|i| app.world().get::<MorphColliders>(body).expect("it has two")[i]);
     assert_eq!(
@@ -330,7 +326,7 @@ fn the_list_on_an_entity_follows_whether_it_is_a_body() {
         "no body of others: its list is of colliders"
     );
     // Nothing is compared for it either.
-    let part = app.world_mut().spawn(MorphColliderOf { body: other }).id();
+    let part = app.spawn(MorphColliderOf { body: other });
     app.update();
     assert_eq!(listed(&app, other), [body], "a body of others: its list is of bodies");
     app.world_mut().despawn(part);

@@ -10,7 +10,7 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
 use crate::log::{Errors, start};
-use crate::support::{add_mesh, assets, bevy_mesh, plain_app, set_weight, settle, stretching_cube};
+use crate::support::{Edits, add_mesh, assets, bevy_mesh, plain_app, set_weight, settle, stretching_cube};
 
 fn app() -> App {
     let mut app = headless(&assets());
@@ -22,7 +22,7 @@ fn app() -> App {
 fn spawn(app: &mut App, bundle: impl Bundle) -> Entity {
     let mesh = add_mesh(app, &stretching_cube());
     let weights = MeshMorphWeights::Value { weights: vec![0.0] };
-    app.world_mut().spawn((Mesh3d(mesh), weights, bundle)).id()
+    app.spawn((Mesh3d(mesh), weights, bundle))
 }
 
 fn reach(app: &App, entity: Entity) -> f32 {
@@ -108,7 +108,7 @@ fn two_entities_with_one_mesh_have_boxes_of_their_own() {
     let mesh = add_mesh(&mut app, &stretching_cube());
     let mut spawn = |weight: f32| {
         let weights = MeshMorphWeights::Value { weights: vec![weight] };
-        app.world_mut().spawn((Mesh3d(mesh.clone()), weights)).id()
+        app.spawn((Mesh3d(mesh.clone()), weights))
     };
     let cubes = [spawn(1.0), spawn(2.0), spawn(0.25)];
     settle(&mut app);
@@ -128,7 +128,7 @@ fn what_comes_into_view_is_flagged_for_two_frames_more() {
     let hidden = changed(&app);
     app.update();
     assert_eq!(changed(&app), hidden);
-    app.world_mut().entity_mut(cube).insert(Visibility::Visible);
+    app.insert(cube, Visibility::Visible);
     let mut flagged = Vec::new();
     let mut before = hidden;
     for _ in 0..5 {
@@ -147,7 +147,7 @@ fn without_weights_the_box_is_that_of_the_mesh_at_rest() {
     set_weight(&mut app, cube, 2.0);
     app.update();
     assert!((reach(&app, cube) - 2.5).abs() < 1e-4);
-    app.world_mut().entity_mut(cube).remove::<MeshMorphWeights>();
+    app.remove::<MeshMorphWeights>(cube);
     app.update();
     app.update();
     assert!((reach(&app, cube) - 0.5).abs() < 1e-6);
@@ -166,7 +166,7 @@ fn who_comes_back_later_has_a_box_that_follows() {
             0,
             "nobody needs it yet"
         );
-        app.world_mut().entity_mut(cube).remove::<Out>();
+        app.remove::<Out>(cube);
         settle(&mut app);
         assert!(
             (reach(&app, cube) - 2.5).abs() < 1e-4,
@@ -192,9 +192,9 @@ fn a_mesh_that_cannot_be_bounded_is_logged_as_such() {
             let vertices = broken.count_vertices();
             broken.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::NAN; vertices]);
             let broken = app.world_mut().resource_mut::<Assets<Mesh>>().add(broken);
-            app.world_mut().entity_mut(cube).insert(Mesh3d(broken));
+            app.insert(cube, Mesh3d(broken));
             if collides {
-                app.world_mut().entity_mut(cube).insert(MorphCollider::default());
+                app.insert(cube, MorphCollider::default());
             }
             settle(&mut app);
             settle(&mut app);

@@ -3,14 +3,13 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues, VertexFormat, morph::MorphAttributes};
 use bevy::prelude::*;
-use bevy_morph_collision::components::MorphCollisionSettings;
 use bevy_morph_collision::import::ImportError;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::ModelError;
 
 use crate::log::Errors;
 use crate::support::{
-    add_mesh, app, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+    Edits, add_mesh, app, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
 
 fn empty(topology: PrimitiveTopology) -> Mesh {
@@ -59,7 +58,7 @@ fn refusal(mesh: Mesh) -> ImportError {
         let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
         let good = add_mesh(&mut app, &cube());
         let [a, broken, b] = [(&good, 0.0), (&mesh, 0.4), (&good, 0.8)].map(|(mesh, x)| spawn(&mut app, mesh, x));
-        app.world_mut().entity_mut(broken).insert(Name::new("broken thing"));
+        app.insert(broken, Name::new("broken thing"));
         settle(&mut app);
         app.update();
 
@@ -286,9 +285,7 @@ fn bad_triangles_are_left_out_if_the_setting_says_so() {
 
         let of = |app: &App| app.world().resource::<MorphTrees>().left_out(mesh.id()).cloned();
         assert_eq!(of(&app), None);
-        app.world_mut()
-            .resource_mut::<MorphCollisionSettings>()
-            .skip_bad_triangles = true;
+        app.settings().skip_bad_triangles = true;
         settle(&mut app);
         settle(&mut app);
         let left_out = of(&app).expect("triangles are left out");

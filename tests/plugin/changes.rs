@@ -5,7 +5,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::support::{Messages, cube, fixed_app, move_to, settle, spawn, two_cubes};
+use crate::support::{Edits, Messages, cube, fixed_app, move_to, settle, spawn, two_cubes};
 
 type Pair = (Entity, Entity);
 
@@ -59,7 +59,7 @@ fn nothing_starts_or_ends_while_paused() {
         let (mut app, [_, b]) = two_cubes(3.8 - x);
         move_to(&mut app, b, x);
         app.update();
-        app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+        app.settings().paused = true;
         app.update();
         let schedules = [PreUpdate.intern(), PostUpdate.intern(), Last.intern()];
         for schedule in schedules {
@@ -72,12 +72,12 @@ fn nothing_starts_or_ends_while_paused() {
             assert_eq!(Seen::by(&mut app, schedule), [vec![], vec![]], "{schedule:?}");
         }
         // If collisions are paused in this frame, nothing of the frame before is reported.
-        app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+        app.settings().paused = false;
         move_to(&mut app, b, 3.8 - x);
         app.update();
         let [starts, ends] = Seen::by(&mut app, Last);
         assert_eq!(starts.len() + ends.len(), 1);
-        app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+        app.settings().paused = true;
         app.update();
         assert_eq!(Seen::by(&mut app, Last), [vec![], vec![]]);
     }

@@ -8,7 +8,7 @@ use morph_collision_models::gltf::read::read_meshes;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, triangles_intersect, world_vertices};
 
-use crate::support::{add_mesh, app, assets, diagnostics, settle, touches};
+use crate::support::{Edits, add_mesh, app, assets, diagnostics, settle, touches};
 
 const MODES: [MorphCollisionMode; 3] = [
     MorphCollisionMode::First,
@@ -27,20 +27,13 @@ fn dolphin() -> MorphMesh {
 /// Two bodies side by side under a parent with some scale, after a first frame.
 fn under_one_parent(mode: MorphCollisionMode, limit: usize) -> (App, Entity, [Entity; 2]) {
     let mut app = app();
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .max_triangle_pairs = limit;
+    app.settings().max_triangle_pairs = limit;
     let mesh = add_mesh(&mut app, &dolphin());
-    let parent = app
-        .world_mut()
-        .spawn((Transform::default(), Visibility::default()))
-        .id();
+    let parent = app.spawn((Transform::default(), Visibility::default()));
     let children = [0.0, 0.9].map(|y| {
         let place = Transform::from_xyz(0.0, y, 0.0);
         let collider = MorphCollider::new(mode);
-        app.world_mut()
-            .spawn((Mesh3d(mesh.clone()), place, collider, ChildOf(parent)))
-            .id()
+        app.spawn((Mesh3d(mesh.clone()), place, collider, ChildOf(parent)))
     });
     settle(&mut app);
     (app, parent, children)
@@ -48,7 +41,7 @@ fn under_one_parent(mode: MorphCollisionMode, limit: usize) -> (App, Entity, [En
 
 fn grow(app: &mut App, parent: Entity, scale: f32) {
     let place = Transform::from_xyz(3.0, 2.0, 1.0).with_scale(Vec3::splat(scale));
-    app.world_mut().entity_mut(parent).insert(place);
+    app.insert(parent, place);
     app.update();
 }
 
@@ -124,12 +117,7 @@ fn the_default_limit_bounds_what_a_collapsed_body_lists() {
     let limit = MorphCollisionSettings::default().max_triangle_pairs;
     let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::All, limit);
     grow(&mut app, parent, 0.0);
-    let contact = app
-        .world()
-        .resource::<MorphCollisions>()
-        .get(a, b)
-        .cloned()
-        .expect("they touch");
+    let contact = app.contact(a, b).expect("they touch");
     assert_eq!(contact.triangles.len(), limit);
     assert!(contact.is_truncated);
     assert_eq!(diagnostics(&app).triangle_pairs, limit as u64);
@@ -139,12 +127,7 @@ fn the_default_limit_bounds_what_a_collapsed_body_lists() {
 fn a_limit_of_0_still_tells_that_bodies_touch() {
     let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::All, 0);
     grow(&mut app, parent, 0.0);
-    let contact = app
-        .world()
-        .resource::<MorphCollisions>()
-        .get(a, b)
-        .cloned()
-        .expect("they touch");
+    let contact = app.contact(a, b).expect("they touch");
     assert_eq!(contact.triangles.len(), 1);
     assert!(contact.is_truncated);
 }
@@ -154,31 +137,19 @@ fn a_contact_within_the_limit_is_complete() {
     let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::All, 2256 * 2256);
     grow(&mut app, parent, 1.0);
     assert!(!touches(&app, a, b));
-    app.world_mut().entity_mut(b).insert(Transform::from_xyz(0.0, 0.2, 0.0));
+    app.insert(b, Transform::from_xyz(0.0, 0.2, 0.0));
     app.update();
-    let whole = app
-        .world()
-        .resource::<MorphCollisions>()
-        .get(a, b)
-        .cloned()
-        .expect("they touch");
+    let whole = app.contact(a, b).expect("they touch");
     assert!(!whole.is_truncated);
     // A limit equal to the number of pairs truncates nothing; one less does.
     for (limit, is_truncated) in [(whole.triangles.len(), false), (whole.triangles.len() - 1, true)] {
-        app.world_mut()
-            .resource_mut::<MorphCollisionSettings>()
-            .max_triangle_pairs = limit;
+        app.settings().max_triangle_pairs = limit;
         // Moves away and back, so that the pair is compared again.
         for y in [0.9, 0.2] {
-            app.world_mut().entity_mut(b).insert(Transform::from_xyz(0.0, y, 0.0));
+            app.insert(b, Transform::from_xyz(0.0, y, 0.0));
             app.update();
         }
-        let contact = app
-            .world()
-            .resource::<MorphCollisions>()
-            .get(a, b)
-            .cloned()
-            .expect("they touch");
+        let contact = app.contact(a, b).expect("they touch");
         assert_eq!((contact.triangles.len(), contact.is_truncated), (limit, is_truncated));
     }
 }
@@ -188,17 +159,9 @@ fn a_shape_and_a_collapsed_mesh_list_no_more_than_the_limit() {
     const LIMIT: usize = 100;
     for mode in [MorphCollisionMode::All, MorphCollisionMode::Contacts] {
         let (mut app, parent, [a, _]) = under_one_parent(mode, LIMIT);
-        let ball = app
-            .world_mut()
-            .spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(3.0, 2.0, 1.0)))
-            .id();
+        let ball = app.spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(3.0, 2.0, 1.0)));
         grow(&mut app, parent, 0.0);
-        let contact = app
-            .world()
-            .resource::<MorphCollisions>()
-            .get(a, ball)
-            .cloned()
-            .expect("they touch");
+        let contact = app.contact(a, ball).expect("they touch");
         assert_eq!(contact.triangles.len(), LIMIT);
         assert!(contact.is_truncated);
         assert_eq!(contact.points.is_empty(), mode == MorphCollisionMode::All);

@@ -11,7 +11,7 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
 use crate::log::start;
-use crate::support::{add_mesh, assets, diagnostics, set_weight, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, assets, diagnostics, set_weight, settle, spawn, stretching_cube};
 
 /// The place of the second cube.
 const APART: f32 = 0.8;
@@ -30,7 +30,7 @@ fn two_drawn_cubes() -> (App, [Entity; 2]) {
     let cubes = [0.0, APART].map(|x| spawn(&mut app, &mesh, x));
     for cube in cubes {
         let contacts = MorphCollider::new(MorphCollisionMode::Contacts);
-        app.world_mut().entity_mut(cube).insert(contacts);
+        app.insert(cube, contacts);
     }
     draw(&mut app, |gizmos| {
         (gizmos.depth, gizmos.triangles, gizmos.contacts) = (None, None, None);

@@ -4,7 +4,7 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::support::{Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, touches, two_cubes};
+use crate::support::{Edits, Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, touches, two_cubes};
 
 #[test]
 fn a_start_and_an_end_are_reported_once() {
@@ -65,7 +65,7 @@ fn entity_events_are_opt_in_and_agree_with_the_messages() {
     assert_eq!(*app.world().resource::<Observed>(), Observed::default());
 
     move_to(&mut app, b, 3.0);
-    app.world_mut().entity_mut(b).insert(MorphCollisionEventsEnabled);
+    app.insert(b, MorphCollisionEventsEnabled);
     app.update();
     move_to(&mut app, b, 0.8);
     app.update();
@@ -83,7 +83,7 @@ fn entity_events_are_opt_in_and_agree_with_the_messages() {
     };
     assert_eq!(seen_from_b(app.world().resource::<Observed>()), (1, 1));
 
-    app.world_mut().entity_mut(a).insert(MorphCollisionEventsEnabled);
+    app.insert(a, MorphCollisionEventsEnabled);
     move_to(&mut app, b, 3.0);
     app.update();
     let ends = &app.world().resource::<Observed>().ends;
@@ -99,7 +99,7 @@ fn an_observer_of_one_entity_hears_of_that_entity_alone() {
         .entity_mut(a)
         .insert(MorphCollisionEventsEnabled)
         .observe(|start: On<MorphCollisionStart>, mut observed: ResMut<Observed>| observed.starts.push(*start.event()));
-    app.world_mut().entity_mut(b).insert(MorphCollisionEventsEnabled);
+    app.insert(b, MorphCollisionEventsEnabled);
     move_to(&mut app, b, 0.8);
     app.update();
     let starts = &app.world().resource::<Observed>().starts;
@@ -110,8 +110,8 @@ fn an_observer_of_one_entity_hears_of_that_entity_alone() {
 fn despawning_a_touching_collider_ends_the_contact() {
     let (mut app, [a, b]) = two_cubes(0.8);
     observe(&mut app);
-    app.world_mut().entity_mut(a).insert(MorphCollisionEventsEnabled);
-    app.world_mut().entity_mut(b).insert(MorphCollisionEventsEnabled);
+    app.insert(a, MorphCollisionEventsEnabled);
+    app.insert(b, MorphCollisionEventsEnabled);
     let mut messages = Messages::default();
     assert_eq!(messages.read(&app).0.len(), 1);
 
@@ -133,12 +133,12 @@ fn removing_the_component_ends_the_contact_and_adding_it_starts_another() {
     let mut messages = Messages::default();
     messages.read(&app);
 
-    app.world_mut().entity_mut(a).remove::<MorphCollider>();
+    app.remove::<MorphCollider>(a);
     app.update();
     assert_eq!(messages.read(&app).1.len(), 1);
     assert_eq!(diagnostics(&app).colliders, 1);
 
-    app.world_mut().entity_mut(a).insert(MorphCollider::default());
+    app.insert(a, MorphCollider::default());
     app.update();
     assert_eq!(messages.read(&app).0.len(), 1);
     assert!(touches(&app, a, b));
@@ -149,8 +149,8 @@ fn the_collider_that_asks_for_more_decides_what_a_contact_tells() {
     use MorphCollisionMode::{All, First, Passive};
     let (mut app, [a, b]) = two_cubes(0.8);
     let mut triangles_in = |mode_a, mode_b| {
-        app.world_mut().entity_mut(a).insert(MorphCollider::new(mode_a));
-        app.world_mut().entity_mut(b).insert(MorphCollider::new(mode_b));
+        app.insert(a, MorphCollider::new(mode_a));
+        app.insert(b, MorphCollider::new(mode_b));
         app.update();
         let contact = app.world().resource::<MorphCollisions>().get(b, a);
         contact.map(|contact| (contact.mode, contact.triangles.len()))
@@ -194,7 +194,7 @@ fn a_start_tells_where_and_which_way() {
     let (mut app, [a, b]) = two_cubes(3.0);
     observe(&mut app);
     for cube in [a, b] {
-        app.world_mut().entity_mut(cube).insert(MorphCollisionEventsEnabled);
+        app.insert(cube, MorphCollisionEventsEnabled);
     }
     let mut messages = Messages::default();
     messages.read(&app);
@@ -219,7 +219,7 @@ fn colliding_entities_are_listed_where_that_is_asked_for() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let [a, b, c] = [0.0, 0.8, 1.6].map(|x| spawn(&mut app, &mesh, x));
-    app.world_mut().entity_mut(b).insert(MorphCollidingEntities::default());
+    app.insert(b, MorphCollidingEntities::default());
     settle(&mut app);
     let listed = |app: &App, cube: Entity| {
         app.world()
@@ -230,7 +230,7 @@ fn colliding_entities_are_listed_where_that_is_asked_for() {
     assert_eq!(listed(&app, a), None);
 
     // If it is inserted late, it is filled with existing contacts.
-    app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
+    app.insert(a, MorphCollidingEntities::default());
     app.update();
     assert_eq!(listed(&app, a), Some(vec![b]));
 
@@ -247,7 +247,7 @@ fn a_disabled_listener_hears_one_end_for_each_start() {
     let (mut app, [a, b]) = two_cubes(3.0);
     observe(&mut app);
     for cube in [a, b] {
-        app.world_mut().entity_mut(cube).insert(MorphCollisionEventsEnabled);
+        app.insert(cube, MorphCollisionEventsEnabled);
     }
     move_to(&mut app, b, 0.8);
     app.update();
@@ -262,13 +262,13 @@ fn a_disabled_listener_hears_one_end_for_each_start() {
         )
     };
     for round in 1..=3 {
-        app.world_mut().entity_mut(a).insert(Disabled);
+        app.insert(a, Disabled);
         for _ in 0..2 {
             app.update();
         }
         assert_eq!([a, b].map(|cube| heard(&mut app, cube)), [(round, round); 2]);
         assert_eq!(messages.read(&app).1.len(), 1);
-        app.world_mut().entity_mut(a).remove::<Disabled>();
+        app.remove::<Disabled>(a);
         for _ in 0..2 {
             app.update();
         }
@@ -285,7 +285,7 @@ fn an_observer_of_a_disabled_entity_hears_its_end() {
         .entity_mut(a)
         .insert(MorphCollisionEventsEnabled)
         .observe(|end: On<MorphCollisionEnd>, mut observed: ResMut<Observed>| observed.ends.push(*end.event()));
-    app.world_mut().entity_mut(a).insert(Disabled);
+    app.insert(a, Disabled);
     app.update();
     let ends = &app.world().resource::<Observed>().ends;
     assert_eq!(
@@ -300,17 +300,15 @@ fn an_observer_of_a_disabled_entity_hears_its_end() {
 fn the_list_of_a_disabled_collider_is_empty() {
     let (mut app, [a, b]) = two_cubes(0.8);
     for cube in [a, b] {
-        app.world_mut()
-            .entity_mut(cube)
-            .insert(MorphCollidingEntities::default());
+        app.insert(cube, MorphCollidingEntities::default());
     }
     app.update();
     let listed = |app: &App| [a, b].map(|cube| app.world().get::<MorphCollidingEntities>(cube).unwrap().to_vec());
     assert_eq!(listed(&app), [vec![b], vec![a]]);
-    app.world_mut().entity_mut(a).insert(Disabled);
+    app.insert(a, Disabled);
     app.update();
     assert_eq!(listed(&app), [vec![], vec![]]);
-    app.world_mut().entity_mut(a).remove::<Disabled>();
+    app.remove::<Disabled>(a);
     app.update();
     assert_eq!(listed(&app), [vec![b], vec![a]]);
 }
@@ -318,21 +316,21 @@ fn the_list_of_a_disabled_collider_is_empty() {
 #[test]
 fn a_list_is_right_after_its_collider_was_disabled_or_the_list_replaced() {
     let (mut app, [a, b]) = two_cubes(0.8);
-    app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
+    app.insert(a, MorphCollidingEntities::default());
     app.update();
     let listed = |app: &App| app.world().get::<MorphCollidingEntities>(a).map(|list| list.to_vec());
     assert_eq!(listed(&app), Some(vec![b]));
-    app.world_mut().entity_mut(a).insert(Disabled);
+    app.insert(a, Disabled);
     app.update();
     move_to(&mut app, a, 9.0);
-    app.world_mut().entity_mut(a).remove::<Disabled>();
+    app.remove::<Disabled>(a);
     app.update();
     assert_eq!(listed(&app), Some(vec![]));
     move_to(&mut app, a, 0.0);
     app.update();
     assert_eq!(listed(&app), Some(vec![b]));
     app.update();
-    app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
+    app.insert(a, MorphCollidingEntities::default());
     app.update();
     assert_eq!(listed(&app), Some(vec![b]));
 }

@@ -20,7 +20,7 @@ use morph_collision_testkit::oracle::skinned_vertices;
 use morph_collision_workspace::app::{headless, is_loaded, update_until};
 
 use crate::log::{Errors, start};
-use crate::support::{assets, settle, stretching_cube};
+use crate::support::{Edits, assets, settle, stretching_cube};
 
 /// An app with the first scene of a file in it.
 fn load(file: &Path, scene: MorphColliderScene) -> App {
@@ -40,8 +40,7 @@ fn show(app: &mut App, file: &Path, colliders: MorphColliderScene) {
     let name = file.file_name().unwrap().to_str().unwrap();
     let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load(format!("{name}#Scene0"));
     let id = scene.id().untyped();
-    app.world_mut()
-        .spawn((WorldAssetRoot(scene), Transform::default(), colliders));
+    app.spawn((WorldAssetRoot(scene), Transform::default(), colliders));
     update_until(app, file, |world| {
         is_loaded(world.resource::<AssetServer>(), id, file)?;
         Ok(world.resource::<IsThere>().0)
@@ -315,9 +314,7 @@ fn a_weight_that_is_no_number_is_one_error_or_costs_only_its_triangles() {
         assert!(logged.len() == 1 && logged[0].contains(why), "{logged:?}");
         let mesh = only_mesh(&mut app);
 
-        app.world_mut()
-            .resource_mut::<MorphCollisionSettings>()
-            .skip_bad_triangles = true;
+        app.settings().skip_bad_triangles = true;
         settle(&mut app);
         settle(&mut app);
         let trees = app.world().resource::<MorphTrees>();

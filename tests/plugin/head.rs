@@ -14,7 +14,7 @@ use morph_collision_testkit::oracle::{point_distance, posed_vertices};
 use morph_collision_workspace::app::{headless, load_gltf};
 
 use crate::log::start;
-use crate::support::{Messages, assets, settle};
+use crate::support::{Edits, Messages, assets, settle};
 
 /// The head in the repository, with one primitive for each of its four largest connected parts and one for the rest.
 fn head_of_five_parts() -> MorphMesh {
@@ -125,15 +125,13 @@ fn a_real_head_of_five_parts_is_one_body() {
         .fold((Vec3::MAX, Vec3::MIN), |(low, high), &v| (low.min(v), high.max(v)));
     let size = (high - low).x;
     let radius = 0.3 * size;
-    let ball = app.world_mut().spawn(MorphShape::from(Sphere::new(radius))).id();
+    let ball = app.spawn(MorphShape::from(Sphere::new(radius)));
     let mut messages = Messages::default();
     let (mut part_starts, mut truth) = (0, Vec::new());
     for step in (0..=24).chain((0..24).rev()) {
         let z = high.z + 0.5 * size - 0.03 * size * step as f32;
         let place = Vec3::new(center.x, center.y, z);
-        app.world_mut()
-            .entity_mut(ball)
-            .insert(Transform::from_translation(place));
+        app.insert(ball, Transform::from_translation(place));
         app.update();
         part_starts += messages.read(&app).0.len();
         let gap = distance(place.as_dvec3(), &vertices, &head.triangles) - f64::from(radius);

@@ -23,7 +23,7 @@ use serde::de::DeserializeSeed;
 use morph_collision_workspace::app::headless;
 
 use crate::log::{Errors, start};
-use crate::support::{app, assets, cube, move_to, plain_app, settle, spawn, touches};
+use crate::support::{Edits, app, assets, cube, move_to, plain_app, settle, spawn, touches};
 
 /// The number of pairs of systems that conflict without an order, over all schedules.
 fn ambiguities(app: &mut App) -> usize {
@@ -137,13 +137,13 @@ fn a_mesh_that_is_swapped_and_one_that_goes_are_followed() {
     let mut small = cube();
     small.positions.iter_mut().for_each(|p| *p *= 0.1);
     let small = crate::support::add_mesh(&mut app, &small);
-    app.world_mut().entity_mut(b).insert(Mesh3d(small));
+    app.insert(b, Mesh3d(small));
     settle(&mut app);
     assert!(!touches(&app, a, b), "0.05 large, and 0.3 away");
     move_to(&mut app, b, 0.5);
     app.update();
     assert!(touches(&app, a, b));
-    app.world_mut().entity_mut(b).remove::<Mesh3d>();
+    app.remove::<Mesh3d>(b);
     app.update();
     assert!(!touches(&app, a, b));
 }

@@ -7,12 +7,10 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::load_gltf;
 
-use crate::support::{add_mesh, app, assets, settle, stretching_cube, touches};
+use crate::support::{Edits, add_mesh, app, assets, settle, stretching_cube, touches};
 
 fn collide(app: &mut App) {
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = Some(MorphCollider::default());
+    app.settings().every_deforming_mesh = Some(MorphCollider::default());
     settle(app);
 }
 
@@ -28,9 +26,7 @@ fn weights() -> MeshMorphWeights {
 fn mesh_below(app: &mut App, parent: Entity, x: f32) -> Entity {
     let mesh = add_mesh(app, &stretching_cube());
     let place = Transform::from_xyz(x, 0.0, 0.0);
-    app.world_mut()
-        .spawn((Mesh3d(mesh), weights(), place, ChildOf(parent)))
-        .id()
+    app.spawn((Mesh3d(mesh), weights(), place, ChildOf(parent)))
 }
 
 #[test]
@@ -40,12 +36,8 @@ fn two_gltf_scenes_under_one_root_are_two_bodies() {
     let files = app.world().resource::<Assets<Gltf>>();
     let scene = files.get(&gltf).and_then(|gltf| gltf.default_scene.clone());
     let scene = scene.expect("the dolphin's file has a scene");
-    let level = app.world_mut().spawn(Transform::default()).id();
-    let dolphins = [0, 1].map(|_| {
-        app.world_mut()
-            .spawn((WorldAssetRoot(scene.clone()), ChildOf(level)))
-            .id()
-    });
+    let level = app.spawn(Transform::default());
+    let dolphins = [0, 1].map(|_| app.spawn((WorldAssetRoot(scene.clone()), ChildOf(level))));
     collide(&mut app);
     let collisions = app.world().resource::<MorphCollisions>();
     assert!(
@@ -79,7 +71,7 @@ fn spawn_character(app: &mut App, level: Entity) -> (Entity, [Entity; 2]) {
 #[test]
 fn two_characters_under_one_root_are_two_bodies() {
     let mut app = app();
-    let level = app.world_mut().spawn(Transform::default()).id();
+    let level = app.spawn(Transform::default());
     let (hips, meshes): (Vec<_>, Vec<_>) = [0, 1].map(|_| spawn_character(&mut app, level)).into_iter().unzip();
     collide(&mut app);
     for (hips, meshes) in hips.iter().zip(&meshes) {
@@ -94,17 +86,12 @@ fn two_characters_under_one_root_are_two_bodies() {
 #[test]
 fn meshes_that_share_weights_are_one_body_and_others_are_bodies_of_their_own() {
     let mut app = app();
-    let level = app.world_mut().spawn(Transform::default()).id();
+    let level = app.spawn(Transform::default());
     let shared = MorphWeights::new(vec![0.0], None).expect("one weight is not too many");
-    let node = app
-        .world_mut()
-        .spawn((shared, Transform::default(), ChildOf(level)))
-        .id();
+    let node = app.spawn((shared, Transform::default(), ChildOf(level)));
     let primitives = [0.0, 0.5].map(|x| mesh_below(&mut app, node, x));
     for primitive in primitives {
-        app.world_mut()
-            .entity_mut(primitive)
-            .insert(MeshMorphWeights::Reference(node));
+        app.insert(primitive, MeshMorphWeights::Reference(node));
     }
     let alone = mesh_below(&mut app, level, 0.8);
     collide(&mut app);
@@ -118,41 +105,40 @@ fn meshes_that_share_weights_are_one_body_and_others_are_bodies_of_their_own() {
 fn a_marker_makes_a_body_whenever_it_comes_and_goes() {
     let mut app = app();
     // A level that is a single glTF scene.
-    let level = app.world_mut().spawn(WorldAssetRoot::default()).id();
-    let knights = [0, 1].map(|_| app.world_mut().spawn((Transform::default(), ChildOf(level))).id());
+    let level = app.spawn(WorldAssetRoot::default());
+    let knights = [0, 1].map(|_| app.spawn((Transform::default(), ChildOf(level))));
     let parts = [(0, 0.0), (0, 0.5), (1, 0.7)].map(|(knight, x)| mesh_below(&mut app, knights[knight], x));
     collide(&mut app);
     let bodies = |app: &App| parts.map(|part| body_of(app, part));
     assert_eq!(bodies(&app), [level; 3]);
     for knight in knights {
-        app.world_mut().entity_mut(knight).insert(MorphBodyRoot);
+        app.insert(knight, MorphBodyRoot);
     }
     app.update();
     assert_eq!(bodies(&app), [knights[0], knights[0], knights[1]]);
     assert!(touches(&app, parts[1], parts[2]) && !touches(&app, parts[0], parts[1]));
     // A sword moves to the other knight. A body that the user set stays.
-    app.world_mut().entity_mut(parts[1]).insert(ChildOf(knights[1]));
+    app.insert(parts[1], ChildOf(knights[1]));
     app.update();
     assert_eq!(bodies(&app), [knights[0], knights[1], knights[1]]);
     let mine = app.world_mut().spawn_empty().id();
-    app.world_mut()
-        .entity_mut(parts[0])
-        .insert(MorphColliderOf { body: mine });
+    app.insert(parts[0], MorphColliderOf { body: mine });
     for knight in knights {
-        app.world_mut().entity_mut(knight).remove::<MorphBodyRoot>();
+        app.remove::<MorphBodyRoot>(knight);
     }
     app.update();
     assert_eq!(bodies(&app), [mine, level, level]);
-    app.world_mut().entity_mut(knights[1]).insert(MorphColliderScene {
-        only_named: vec!["nobody".into()],
-        ..default()
-    });
+    app.insert(
+        knights[1],
+        MorphColliderScene {
+            only_named: vec!["nobody".into()],
+            ..default()
+        },
+    );
     app.update();
     assert_eq!(bodies(&app), [mine, knights[1], knights[1]], "a scene is a body, too");
 
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = None;
+    app.settings().every_deforming_mesh = None;
     app.update();
     assert_eq!(bodies(&app), [mine, parts[1], parts[2]], "what was given is taken back");
 }
@@ -162,17 +148,17 @@ fn a_root_that_is_a_mesh_itself_has_no_relationship_to_itself() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &stretching_cube());
     let root = (Mesh3d(mesh), weights(), MorphColliderScene::default());
-    let root = app.world_mut().spawn(root).id();
+    let root = app.spawn(root);
     let part = mesh_below(&mut app, root, 0.5);
     settle(&mut app);
     assert!(app.world().get::<MorphColliderOf>(root).is_none());
     assert_eq!(body_of(&app, part), root);
     assert!(app.world().get::<MorphCollider>(root).is_some() && !touches(&app, root, part));
     // A part becomes a root and leaves the other body.
-    app.world_mut().entity_mut(part).insert(MorphColliderScene::default());
+    app.insert(part, MorphColliderScene::default());
     app.update();
     assert!(app.world().get::<MorphColliderOf>(part).is_none() && touches(&app, root, part));
-    app.world_mut().entity_mut(part).remove::<MorphColliderScene>();
+    app.remove::<MorphColliderScene>(part);
     app.update();
     assert_eq!(body_of(&app, part), root);
 }

@@ -6,7 +6,7 @@ use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::morph_collision::BuildOptions;
 use bevy_morph_collision::prelude::*;
 
-use crate::support::{add_mesh, app, cube, settle, spawn, stretching_cube, touches, two_cubes};
+use crate::support::{Edits, add_mesh, app, cube, settle, spawn, stretching_cube, touches, two_cubes};
 
 type Change = fn(&mut World, [Entity; 2]);
 type Effect = fn(&App, [Entity; 2]) -> bool;
@@ -203,7 +203,7 @@ fn every_change_takes_effect_in_the_next_run() {
 #[test]
 fn an_anchor_follows_its_component_in_the_same_frame() {
     let (mut app, [a, b]) = two_cubes(3.0);
-    let hat = app.world_mut().spawn(MorphSurfaceAnchor::new(a, 0, Vec3::X)).id();
+    let hat = app.spawn(MorphSurfaceAnchor::new(a, 0, Vec3::X));
     let place = |app: &mut App| {
         app.update();
         app.world().get::<Transform>(hat).unwrap().translation
@@ -237,10 +237,10 @@ fn events_are_heard_as_soon_as_they_are_enabled() {
         app.world().resource::<Heard>().0
     };
     assert_eq!(toggle(&mut app), 0);
-    app.world_mut().entity_mut(a).insert(MorphCollisionEventsEnabled);
+    app.insert(a, MorphCollisionEventsEnabled);
     assert_eq!(toggle(&mut app), 1);
     assert_eq!(toggle(&mut app), 2);
-    app.world_mut().entity_mut(a).remove::<MorphCollisionEventsEnabled>();
+    app.remove::<MorphCollisionEventsEnabled>(a);
     assert_eq!(toggle(&mut app), 2);
 }
 
@@ -271,11 +271,11 @@ fn colliders_collide_on_while_a_tree_with_other_settings_is_built() {
     }
     edit::<MorphTreeOptions>(app.world_mut(), a, |settings| settings.leaf_size = 4);
     touching_until(&mut app, [a, b], 4);
-    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
+    app.remove::<MorphTreeOptions>(a);
     touching_until(&mut app, [a, b], BuildOptions::default().leaf_size());
     // The default for all meshes, which the other cube follows too.
     let set_default = |app: &mut App, leaf_size: u8| {
-        let mut settings = app.world_mut().resource_mut::<MorphCollisionSettings>();
+        let mut settings = app.settings();
         settings.tree_options = MorphTreeOptions { leaf_size };
     };
     for size in [5, 6] {
@@ -304,7 +304,7 @@ fn colliders_collide_on_while_a_tree_with_other_settings_is_built() {
         assert!(!touches(&app, a, b));
         assert_eq!(errors.take().len(), 1);
     });
-    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
+    app.remove::<MorphTreeOptions>(a);
     app.update();
     assert!(touches(&app, a, b));
 }
@@ -312,7 +312,7 @@ fn colliders_collide_on_while_a_tree_with_other_settings_is_built() {
 /// Sets the collider for all deforming meshes and runs a frame; returns which of these meshes have
 /// one.
 fn every<const N: usize>(app: &mut App, collider: Option<MorphCollider>, meshes: [Entity; N]) -> [bool; N] {
-    let mut settings = app.world_mut().resource_mut::<MorphCollisionSettings>();
+    let mut settings = app.settings();
     settings.every_deforming_mesh = collider;
     app.update();
     meshes.map(|mesh| app.world().get::<MorphCollider>(mesh).is_some())
@@ -324,24 +324,20 @@ fn what_the_user_removed_never_comes_back_however_often_the_setting_does() {
     let mesh = add_mesh(&mut app, &stretching_cube());
     let weights = MeshMorphWeights::Value { weights: vec![0.0] };
     let own = spawn(&mut app, &mesh, 0.0);
-    let meshes = [
-        own,
-        app.world_mut().spawn(Mesh3d(mesh.clone())).id(),
-        app.world_mut().spawn(Mesh3d(mesh)).id(),
-    ];
+    let meshes = [own, app.spawn(Mesh3d(mesh.clone())), app.spawn(Mesh3d(mesh))];
     for mesh in meshes {
-        app.world_mut().entity_mut(mesh).insert(weights.clone());
+        app.insert(mesh, weights.clone());
     }
     let on = Some(MorphCollider::default());
     assert_eq!(every(&mut app, on, meshes), [true; 3]);
     for mesh in &meshes[..2] {
-        app.world_mut().entity_mut(*mesh).remove::<MorphCollider>();
+        app.remove::<MorphCollider>(*mesh);
     }
     for round in 0..4 {
         assert_eq!(every(&mut app, None, meshes), [false; 3], "round {round}");
         assert_eq!(every(&mut app, on, meshes), [false, false, true], "round {round}");
     }
     // A collider that the user inserts again is the user's own.
-    app.world_mut().entity_mut(own).insert(MorphCollider::default());
+    app.insert(own, MorphCollider::default());
     assert_eq!(every(&mut app, None, meshes), [true, false, false]);
 }

@@ -7,19 +7,15 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::random::random_blob;
 
 use crate::support::{
-    Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+    Edits, Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
 
 #[test]
 fn layers_decide_who_is_compared() {
     let (mut app, [a, b]) = two_cubes(0.8);
     assert!(touches(&app, a, b));
-    app.world_mut()
-        .entity_mut(a)
-        .insert(MorphCollisionLayers::new(0b01, 0b10));
-    app.world_mut()
-        .entity_mut(b)
-        .insert(MorphCollisionLayers::new(0b01, 0b11));
+    app.insert(a, MorphCollisionLayers::new(0b01, 0b10));
+    app.insert(b, MorphCollisionLayers::new(0b01, 0b11));
     app.update();
     let run = diagnostics(&app);
     assert!(!touches(&app, a, b));
@@ -27,9 +23,7 @@ fn layers_decide_who_is_compared() {
         (run.overlapping_pairs, run.skipped_layers, run.candidate_pairs),
         (1, 1, 0)
     );
-    app.world_mut()
-        .entity_mut(b)
-        .insert(MorphCollisionLayers::new(0b10, 0b11));
+    app.insert(b, MorphCollisionLayers::new(0b10, 0b11));
     app.update();
     assert!(touches(&app, a, b));
 }
@@ -38,16 +32,12 @@ fn layers_decide_who_is_compared() {
 fn two_passive_colliders_are_never_compared_and_one_is_when_the_other_asks() {
     let (mut app, [a, b]) = two_cubes(0.8);
     for cube in [a, b] {
-        app.world_mut()
-            .entity_mut(cube)
-            .insert(MorphCollider::new(MorphCollisionMode::Passive));
+        app.insert(cube, MorphCollider::new(MorphCollisionMode::Passive));
     }
     app.update();
     assert!(!touches(&app, a, b));
     assert_eq!(diagnostics(&app).skipped_passive, 1);
-    app.world_mut()
-        .entity_mut(b)
-        .insert(MorphCollider::new(MorphCollisionMode::First));
+    app.insert(b, MorphCollider::new(MorphCollisionMode::First));
     app.update();
     assert!(touches(&app, a, b));
 }
@@ -57,11 +47,11 @@ fn a_disabled_collider_is_left_out_and_comes_back() {
     let (mut app, [a, b]) = two_cubes(0.8);
     let mut messages = Messages::default();
     messages.read(&app);
-    app.world_mut().entity_mut(a).insert(MorphColliderDisabled);
+    app.insert(a, MorphColliderDisabled);
     app.update();
     assert!(!touches(&app, a, b));
     assert_eq!(messages.read(&app).1.len(), 1);
-    app.world_mut().entity_mut(a).remove::<MorphColliderDisabled>();
+    app.remove::<MorphColliderDisabled>(a);
     app.update();
     assert_eq!(messages.read(&app).0.len(), 1);
     assert!(touches(&app, a, b));
@@ -70,11 +60,11 @@ fn a_disabled_collider_is_left_out_and_comes_back() {
 #[test]
 fn a_disabled_entity_is_left_out_and_comes_back_where_it_was() {
     let (mut app, [a, b]) = two_cubes(0.8);
-    app.world_mut().entity_mut(a).insert(Disabled);
+    app.insert(a, Disabled);
     app.update();
     assert!(!touches(&app, a, b));
     app.update();
-    app.world_mut().entity_mut(a).remove::<Disabled>();
+    app.remove::<Disabled>(a);
     app.update();
     assert!(
         touches(&app, a, b),
@@ -85,12 +75,12 @@ fn a_disabled_entity_is_left_out_and_comes_back_where_it_was() {
 #[test]
 fn a_collider_that_gets_another_parent_goes_with_it_in_the_same_frame() {
     let (mut app, [a, b]) = two_cubes(0.8);
-    let far = app.world_mut().spawn(Transform::from_xyz(9.0, 0.0, 0.0)).id();
+    let far = app.spawn(Transform::from_xyz(9.0, 0.0, 0.0));
     app.update();
-    app.world_mut().entity_mut(b).insert(ChildOf(far));
+    app.insert(b, ChildOf(far));
     app.update();
     assert!(!touches(&app, a, b));
-    app.world_mut().entity_mut(b).remove::<ChildOf>();
+    app.remove::<ChildOf>(b);
     app.update();
     assert!(touches(&app, a, b));
 }
@@ -100,12 +90,12 @@ fn within_their_margins_colliders_count_as_touching() {
     let (mut app, [a, b]) = two_cubes(1.25);
     assert!(!touches(&app, a, b));
     let collider = |margin| MorphCollider::default().with_margin(margin);
-    app.world_mut().entity_mut(a).insert(collider(0.2));
+    app.insert(a, collider(0.2));
     app.update();
     assert!(!touches(&app, a, b), "0.25 apart");
-    app.world_mut().entity_mut(b).insert(collider(0.125));
+    app.insert(b, collider(0.125));
     app.update();
-    let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+    let contact = app.contact(a, b).unwrap();
     assert!(
         (contact.distance - 0.25).abs() < 1e-6 && contact.triangles.is_empty(),
         "{contact:?}"
@@ -116,7 +106,7 @@ fn within_their_margins_colliders_count_as_touching() {
 
     move_to(&mut app, b, 0.9);
     app.update();
-    let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+    let contact = app.contact(a, b).unwrap();
     assert!(contact.distance == 0.0 && !contact.triangles.is_empty(), "{contact:?}");
 }
 
@@ -124,9 +114,7 @@ fn within_their_margins_colliders_count_as_touching() {
 fn a_bad_margin_is_logged_and_leaves_the_collider_out() {
     crate::log::Errors::collect(|errors| {
         let (mut app, [a, b]) = two_cubes(0.8);
-        app.world_mut()
-            .entity_mut(a)
-            .insert(MorphCollider::default().with_margin(f32::NAN));
+        app.insert(a, MorphCollider::default().with_margin(f32::NAN));
         app.update();
         app.update();
         let logged = errors.take();
@@ -138,11 +126,9 @@ fn a_bad_margin_is_logged_and_leaves_the_collider_out() {
 #[test]
 fn contacts_have_points_with_depths_the_deepest_first() {
     let (mut app, [a, b]) = two_cubes(0.9);
-    app.world_mut()
-        .entity_mut(a)
-        .insert(MorphCollider::new(MorphCollisionMode::Contacts));
+    app.insert(a, MorphCollider::new(MorphCollisionMode::Contacts));
     app.update();
-    let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+    let contact = app.contact(a, b).unwrap();
     assert!((1..=4).contains(&contact.points.len()), "{contact:?}");
     assert!(contact.points.is_sorted_by(|x, y| x.depth >= y.depth), "{contact:?}");
     assert_eq!(contact.point, contact.points[0].point);
@@ -157,12 +143,12 @@ fn paused_nothing_is_looked_at_and_contacts_stay() {
     let (mut app, [a, b]) = two_cubes(0.8);
     let mut messages = Messages::default();
     messages.read(&app);
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    app.settings().paused = true;
     move_to(&mut app, b, 5.0);
     app.update();
     assert!(touches(&app, a, b));
     assert_eq!(messages.read(&app), (vec![], vec![]));
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    app.settings().paused = false;
     app.update();
     assert!(!touches(&app, a, b));
     assert_eq!(messages.read(&app).1.len(), 1);
@@ -172,22 +158,16 @@ fn paused_nothing_is_looked_at_and_contacts_stay() {
 fn every_deforming_mesh_can_be_made_a_collider() {
     let mut app = app();
     let (morphing, rigid) = (add_mesh(&mut app, &stretching_cube()), add_mesh(&mut app, &cube()));
-    let root = app.world_mut().spawn((Transform::default(), MorphBodyRoot)).id();
+    let root = app.spawn((Transform::default(), MorphBodyRoot));
     let weights = || MeshMorphWeights::Value { weights: vec![0.0] };
-    let mut part = |mesh: &Handle<Mesh>| {
-        app.world_mut()
-            .spawn((Mesh3d(mesh.clone()), weights(), ChildOf(root)))
-            .id()
-    };
+    let mut part = |mesh: &Handle<Mesh>| app.spawn((Mesh3d(mesh.clone()), weights(), ChildOf(root)));
     let parts = [part(&morphing), part(&morphing)];
-    app.world_mut().spawn(Mesh3d(rigid));
+    app.spawn(Mesh3d(rigid));
     app.update();
     assert_eq!(diagnostics(&app).colliders, 0);
 
     let collider = MorphCollider::new(MorphCollisionMode::First);
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = Some(collider);
+    app.settings().every_deforming_mesh = Some(collider);
     settle(&mut app);
     for part in parts {
         assert_eq!(app.world().get::<MorphCollider>(part), Some(&collider));
@@ -196,7 +176,7 @@ fn every_deforming_mesh_can_be_made_a_collider() {
     let run = diagnostics(&app);
     assert_eq!((run.colliders, run.skipped_same_body, run.touching_pairs), (2, 1, 0));
 
-    let late = app.world_mut().spawn((Mesh3d(morphing), weights())).id();
+    let late = app.spawn((Mesh3d(morphing), weights()));
     settle(&mut app);
     assert!(app.world().get::<MorphCollider>(late).is_some());
     assert_eq!(diagnostics(&app).touching_pairs, 2);
@@ -235,7 +215,7 @@ fn a_run_in_which_nothing_changes_compares_nothing() {
 fn colliders_can_have_trees_of_their_own() {
     let (mut app, [a, b]) = two_cubes(0.8);
     let settings = MorphTreeOptions { leaf_size: 2 };
-    app.world_mut().entity_mut(a).insert(settings);
+    app.insert(a, settings);
     settle(&mut app);
     assert!(touches(&app, a, b), "trees with different leaves");
     let trees = app.world().resource::<MorphTrees>();
@@ -244,14 +224,14 @@ fn colliders_can_have_trees_of_their_own() {
     let own = trees.with_options(mesh, Some(settings)).unwrap();
     assert!(own.node_count() > trees.get(mesh).unwrap().node_count());
 
-    app.world_mut().entity_mut(a).insert(MorphTreeOptions { leaf_size: 0 });
+    app.insert(a, MorphTreeOptions { leaf_size: 0 });
     crate::log::Errors::collect(|errors| {
         settle(&mut app);
         let logged = errors.take();
         assert!(logged.len() == 1 && logged[0].contains("leaf_size is 0"), "{logged:?}");
     });
     assert!(!touches(&app, a, b), "there is no such tree");
-    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
+    app.remove::<MorphTreeOptions>(a);
     settle(&mut app);
     assert!(touches(&app, a, b));
 }
@@ -266,10 +246,10 @@ fn a_scene_may_name_its_parts() {
         layers: MorphCollisionLayers::new(2, 4),
         ..default()
     };
-    let root = app.world_mut().spawn((scene, Name::new("mast"))).id();
+    let root = app.spawn((scene, Name::new("mast")));
     let mut part = |name: &str, parent| {
         let part = (Name::new(name.to_string()), Mesh3d(mesh.clone()), ChildOf(parent));
-        app.world_mut().spawn(part).id()
+        app.spawn(part)
     };
     let hull = part("hull", root);
     let plank = part("plank", hull);
@@ -291,13 +271,13 @@ fn a_lasting_contact_is_found_where_it_was_found_before() {
         let mesh = add_mesh(&mut app, &random_blob(3, 3, 2, 1.0));
         let [a, b] = [0.0, 9.0].map(|x| spawn(&mut app, &mesh, x));
         for entity in [a, b] {
-            app.world_mut().entity_mut(entity).insert(MorphCollider::new(mode));
+            app.insert(entity, MorphCollider::new(mode));
         }
         settle(&mut app);
         let frame = |frame: u8| {
             move_to(&mut app, b, 1.9 + 0.4 * (f32::from(frame) * 0.06).cos());
             app.update();
-            let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned();
+            let contact = app.contact(a, b);
             (contact, diagnostics(&app).stats.node_tests)
         };
         (0..100).map(frame).collect::<Vec<_>>()
@@ -334,12 +314,12 @@ fn a_collider_that_was_made_disabled_takes_part_once_it_is_enabled() {
     let (mut app, [a, _]) = two_cubes(5.0);
     let mesh = app.world().get::<Mesh3d>(a).unwrap().0.clone();
     let pooled = spawn(&mut app, &mesh, 0.5);
-    app.world_mut().entity_mut(pooled).insert(Disabled);
+    app.insert(pooled, Disabled);
     for _ in 0..4 {
         app.update();
     }
     assert!(!touches(&app, a, pooled));
-    app.world_mut().entity_mut(pooled).remove::<Disabled>();
+    app.remove::<Disabled>(pooled);
     app.update();
     assert!(touches(&app, a, pooled));
 
@@ -347,14 +327,14 @@ fn a_collider_that_was_made_disabled_takes_part_once_it_is_enabled() {
     let mut small = cube();
     small.positions.iter_mut().for_each(|p| *p *= 0.1);
     let small = add_mesh(&mut app, &small);
-    app.world_mut().entity_mut(pooled).insert(Disabled);
+    app.insert(pooled, Disabled);
     app.update();
-    app.world_mut().entity_mut(pooled).insert(Mesh3d(small));
+    app.insert(pooled, Mesh3d(small));
     move_to(&mut app, pooled, 0.6);
     for _ in 0..4 {
         app.update();
     }
-    app.world_mut().entity_mut(pooled).remove::<Disabled>();
+    app.remove::<Disabled>(pooled);
     settle(&mut app);
     assert!(!touches(&app, a, pooled), "it ends at 0.55");
 }
@@ -362,13 +342,13 @@ fn a_collider_that_was_made_disabled_takes_part_once_it_is_enabled() {
 #[test]
 fn a_mesh_that_goes_during_a_pause_is_missed_afterwards() {
     let (mut app, [a, b]) = two_cubes(0.8);
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    app.settings().paused = true;
     app.update();
-    app.world_mut().entity_mut(b).remove::<Mesh3d>();
+    app.remove::<Mesh3d>(b);
     for _ in 0..5 {
         app.update();
     }
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    app.settings().paused = false;
     app.update();
     assert!(!touches(&app, a, b));
     assert_eq!(diagnostics(&app).colliders, 1);

@@ -12,7 +12,7 @@ use bevy_morph_collision::surface::MorphPickingSettings;
 use morph_collision_workspace::app::headless;
 
 use crate::log::start;
-use crate::support::{add_mesh, assets, set_weight, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, assets, set_weight, settle, spawn, stretching_cube};
 
 struct Picked {
     app: App,
@@ -31,7 +31,7 @@ impl Picked {
         start(&mut app);
         let mesh = add_mesh(&mut app, &stretching_cube());
         let cubes = [spawn(&mut app, &mesh, 0.0), spawn(&mut app, &mesh, 4.0)];
-        let camera = app.world_mut().spawn(Camera { order: 3, ..default() }).id();
+        let camera = app.spawn(Camera { order: 3, ..default() });
         settle(&mut app);
         let ray = Ray3d::new(Vec3::new(9.0, 0.1, 0.2), Dir3::NEG_X);
         let id = RayId::new(camera, PointerId::Mouse);

@@ -15,7 +15,7 @@ use morph_collision_workspace::app::{headless, update_until};
 
 use crate::log::start;
 use crate::support::{
-    add_mesh, app, bevy_mesh, cube, diagnostics, fixed_app, move_to, set_weight, settle, spawn, stretching_cube,
+    Edits, add_mesh, app, bevy_mesh, cube, diagnostics, fixed_app, move_to, set_weight, settle, spawn, stretching_cube,
     two_cubes,
 };
 
@@ -85,10 +85,7 @@ fn a_head_of_five_parts_is_ready_once_after_its_last_tree() {
     start(&mut app);
     listen(&mut app);
     let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load("head.glb#Scene0");
-    let root = app
-        .world_mut()
-        .spawn((WorldAssetRoot(scene), MorphColliderScene::default()))
-        .id();
+    let root = app.spawn((WorldAssetRoot(scene), MorphColliderScene::default()));
     #[derive(Resource, Default)]
     struct TreesThen(usize);
     app.init_resource::<TreesThen>();
@@ -129,7 +126,7 @@ fn a_head_of_five_parts_is_ready_once_after_its_last_tree() {
     assert_eq!(heard(&mut app), []);
     let Heard::Ready(part) = parts[0] else { panic!() };
     let other = add_mesh(&mut app, &cube());
-    app.world_mut().entity_mut(part).insert(Mesh3d(other));
+    app.insert(part, Mesh3d(other));
     settle(&mut app);
     assert_eq!(heard(&mut app), [Heard::Ready(part), scene_ready(root, 5, 0)]);
 }
@@ -150,30 +147,26 @@ fn a_collider_is_ready_for_its_first_tree_and_for_each_new_one() {
     settle(&mut app);
     assert_eq!(heard(&mut app), [], "it is the same tree");
     let other = add_mesh(&mut app, &cube());
-    app.world_mut().entity_mut(collider).insert(Mesh3d(other));
+    app.insert(collider, Mesh3d(other));
     settle(&mut app);
     assert_eq!(heard(&mut app), ready, "another mesh");
-    app.world_mut().entity_mut(collider).insert(Mesh3d(mesh.clone()));
+    app.insert(collider, Mesh3d(mesh.clone()));
     settle(&mut app);
     assert_eq!(heard(&mut app), ready, "the first one again");
     replace(&mut app, &mesh, bevy_mesh(&cube()));
     settle(&mut app);
     assert_eq!(heard(&mut app), ready, "a modified mesh");
-    app.world_mut()
-        .entity_mut(collider)
-        .insert(MorphTreeOptions { leaf_size: 1 });
+    app.insert(collider, MorphTreeOptions { leaf_size: 1 });
     settle(&mut app);
     assert_eq!(heard(&mut app), ready, "other settings");
-    app.world_mut().entity_mut(collider).remove::<MorphCollider>();
+    app.remove::<MorphCollider>(collider);
     settle(&mut app);
     assert_eq!(heard(&mut app), []);
-    app.world_mut().entity_mut(collider).insert(MorphCollider::default());
+    app.insert(collider, MorphCollider::default());
     settle(&mut app);
     assert_eq!(heard(&mut app), ready, "a new collider");
     let second = spawn(&mut app, &mesh, 9.0);
-    app.world_mut()
-        .entity_mut(second)
-        .insert(MorphTreeOptions { leaf_size: 1 });
+    app.insert(second, MorphTreeOptions { leaf_size: 1 });
     app.update();
     assert_eq!(heard(&mut app), [Heard::Ready(second)], "the tree is there already");
 }
@@ -184,15 +177,12 @@ fn a_mesh_that_cannot_be_used_is_told_with_the_reason() {
     listen(&mut app);
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(broken());
     let good = add_mesh(&mut app, &cube());
-    let root = app
-        .world_mut()
-        .spawn(MorphColliderScene {
-            only_deforming: false,
-            ..default()
-        })
-        .id();
-    let part = app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id();
-    let other = app.world_mut().spawn((Mesh3d(good), ChildOf(root))).id();
+    let root = app.spawn(MorphColliderScene {
+        only_deforming: false,
+        ..default()
+    });
+    let part = app.spawn((Mesh3d(mesh.clone()), ChildOf(root)));
+    let other = app.spawn((Mesh3d(good), ChildOf(root)));
     settle(&mut app);
     let all = heard(&mut app);
     assert_eq!(all.len(), 3, "{all:?}");
@@ -224,9 +214,9 @@ fn a_scene_is_ready_again_when_its_parts_are_others() {
     let mut app = app();
     listen(&mut app);
     let mesh = add_mesh(&mut app, &cube());
-    let root = app.world_mut().spawn(MorphColliderScene::default()).id();
-    let [a, b] = [(); 2].map(|()| app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id());
-    app.world_mut().entity_mut(b).insert((Name::new("b"), Disabled));
+    let root = app.spawn(MorphColliderScene::default());
+    let [a, b] = [(); 2].map(|()| app.spawn((Mesh3d(mesh.clone()), ChildOf(root))));
+    app.insert(b, (Name::new("b"), Disabled));
     settle(&mut app);
     assert_eq!(heard(&mut app), [], "nothing in it deforms");
     let edit = |app: &mut App, edit: fn(&mut MorphColliderScene)| {
@@ -252,19 +242,17 @@ fn a_scene_is_ready_again_when_its_parts_are_others() {
 fn a_shape_is_ready_at_once() {
     let mut app = app();
     listen(&mut app);
-    let shape = app.world_mut().spawn(MorphShape::default()).id();
+    let shape = app.spawn(MorphShape::default());
     app.update();
     assert_eq!(heard(&mut app), [Heard::Ready(shape)]);
-    app.world_mut()
-        .entity_mut(shape)
-        .insert(MorphShape::Ball { radius: 2.0 });
+    app.insert(shape, MorphShape::Ball { radius: 2.0 });
     app.update();
     assert_eq!(heard(&mut app), []);
     let mesh = add_mesh(&mut app, &cube());
-    app.world_mut().entity_mut(shape).insert(Mesh3d(mesh));
+    app.insert(shape, Mesh3d(mesh));
     settle(&mut app);
     assert_eq!(heard(&mut app), [], "the shape collides still");
-    app.world_mut().entity_mut(shape).remove::<MorphShape>();
+    app.remove::<MorphShape>(shape);
     settle(&mut app);
     assert_eq!(heard(&mut app), [Heard::Ready(shape)]);
 }
@@ -274,7 +262,7 @@ fn readiness_does_not_wait_for_a_run() {
     // A tick comes after sixty frames.
     let mut app = fixed_app(60, 1);
     listen(&mut app);
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    app.settings().paused = true;
     let mesh = add_mesh(&mut app, &cube());
     let collider = spawn(&mut app, &mesh, 0.0);
     settle(&mut app);
@@ -325,10 +313,7 @@ fn other_settings_do_not_hide_that_a_mesh_is_bad() {
     settle(&mut app);
     let failed = heard(&mut app);
     assert!(matches!(failed[..], [Heard::Failed(..)]), "{failed:?}");
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .tree_options
-        .leaf_size = 3;
+    app.settings().tree_options.leaf_size = 3;
     settle(&mut app);
     assert_eq!(heard(&mut app), [], "the last good tree is as good as it was");
     assert_eq!(app.world().resource::<MorphTrees>().progress().failed, 1);

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 use crate::models::{play, shared, with_models};
-use crate::support::{Messages, assets, settle, touches};
+use crate::support::{Edits, Messages, assets, settle, touches};
 
 /// The head in the repository: a real face without a clip.
 fn head() -> PathBuf {
@@ -189,10 +189,7 @@ fn a_tail_slaps_a_ball() {
     let place = *app.world().get::<GlobalTransform>(dolphin).unwrap();
     let ball = Transform::from_translation(place.transform_point(tip));
     let shape = MorphShape::Ball { radius: way * 0.05 };
-    let ball = app
-        .world_mut()
-        .spawn((shape, MorphCollider::new(MorphCollisionMode::Contacts), ball))
-        .id();
+    let ball = app.spawn((shape, MorphCollider::new(MorphCollisionMode::Contacts), ball));
     set(&mut app, target, 0.0);
     assert!(!touches(&app, dolphin, ball), "at rest the tail is elsewhere");
     let mut messages = Messages::default();
@@ -236,7 +233,7 @@ fn a_mouth_opens_onto_a_ball() {
     let rooms = moved.iter().take(300).map(|&i| (room(i), open[i]));
     let (room, place) = rooms.max_by(|x, y| x.0.total_cmp(&y.0)).unwrap();
     let shape = MorphShape::Ball { radius: room * 0.2 };
-    let ball = app.world_mut().spawn((shape, Transform::from_translation(place))).id();
+    let ball = app.spawn((shape, Transform::from_translation(place)));
     settle(&mut app);
     let touched = |app: &App| app.world().resource::<MorphCollisions>().collisions_with(ball).count() > 0;
     assert!(!touched(&app), "the mouth is closed");

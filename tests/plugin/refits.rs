@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use morph_collision_workspace::instances::Instances;
 
-use crate::support::{app, assets, diagnostics, two_cubes};
+use crate::support::{Edits, app, assets, diagnostics, two_cubes};
 
 fn dolphins(app: &mut App, file: &str, count: usize) -> Instances {
     Instances::spawn(app, &assets().join(file), count, false).expect("the dolphin can be loaded")
@@ -17,7 +17,7 @@ fn bodies_apart_cost_one_volume_each() {
     for frame in 0..10 {
         for (place, &root) in instances.roots.iter().enumerate() {
             let apart = Transform::from_xyz(0.1 * frame as f32, 0.0, 5.0 * place as f32);
-            app.world_mut().entity_mut(root).insert(apart);
+            app.insert(root, apart);
         }
         app.update();
         let frame = diagnostics(&app);

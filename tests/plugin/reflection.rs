@@ -15,7 +15,7 @@ use morph_collision_workspace::app::headless;
 use serde::de::DeserializeSeed;
 
 use crate::log::start;
-use crate::support::{app, assets, plain_app, settle};
+use crate::support::{Edits, app, assets, plain_app, settle};
 
 /// A component that users may insert, with a value that is not the default.
 trait Sample: Component + Reflect + FromReflect + TypePath + PartialEq + std::fmt::Debug + Clone {}
@@ -146,7 +146,7 @@ impl EachComponent for Compare<'_> {
 fn every_component_survives_a_scene_file() {
     let folder = tempfile::tempdir().expect("there is room for a small file");
     let (mut app, other) = app_and_other();
-    app.world_mut().entity_mut(other).insert(Name::new("other"));
+    app.insert(other, Name::new("other"));
     let mut entities = vec![other];
     for_each_component(other, Spawn(app.world_mut(), &mut entities));
     let registry = app.world().resource::<AppTypeRegistry>().clone();
@@ -178,7 +178,7 @@ fn every_component_survives_a_scene_file() {
     app.register_type::<MorphPhysicsCollider>();
     app.register_type::<MorphPhysicsScene>();
     let scene = app.world().resource::<AssetServer>().load("level.scn.ron");
-    app.world_mut().spawn(DynamicWorldRoot(scene));
+    app.spawn(DynamicWorldRoot(scene));
     let mut other = None;
     for _ in 0..10_000 {
         app.update();

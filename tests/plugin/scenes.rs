@@ -5,7 +5,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::support::{add_mesh, app, cube, move_to, settle, spawn, stretching_cube, touches};
+use crate::support::{Edits, add_mesh, app, cube, move_to, settle, spawn, stretching_cube, touches};
 
 const FIRST: MorphCollider = MorphCollider {
     mode: MorphCollisionMode::First,
@@ -51,7 +51,7 @@ impl Scene {
     }
 
     fn insert(&mut self, part: Entity, bundle: impl Bundle) {
-        self.app.world_mut().entity_mut(part).insert(bundle);
+        self.app.insert(part, bundle);
     }
 
     /// A component of a part.
@@ -134,7 +134,7 @@ fn parts_that_match_no_longer_are_meshes_again_and_others_become_parts() {
 fn what_the_user_put_on_a_part_first_stays() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
-    let root = app.world_mut().spawn(Transform::default()).id();
+    let root = app.spawn(Transform::default());
     let (own_layers, own) = (
         MorphCollisionLayers::new(4, 4),
         MorphCollider::new(MorphCollisionMode::First),
@@ -159,7 +159,7 @@ fn what_the_user_put_on_a_part_first_stays() {
     };
     for events in [true, false] {
         let collider_now = MorphCollider::default().with_margin(if events { 1.0 } else { 2.0 });
-        app.world_mut().entity_mut(root).insert(scene(collider_now, events));
+        app.insert(root, scene(collider_now, events));
         app.update();
         let world = app.world();
         assert_eq!(world.get::<MorphCollider>(collider), Some(&own));
@@ -170,7 +170,7 @@ fn what_the_user_put_on_a_part_first_stays() {
         assert_eq!(world.get::<MorphCollisionLayers>(others), Some(&own_layers));
         assert!(world.get::<MorphCollisionEventsEnabled>(others).is_some());
     }
-    app.world_mut().entity_mut(root).remove::<MorphColliderScene>();
+    app.remove::<MorphColliderScene>(root);
     app.update();
     let world = app.world();
     assert_eq!(world.get::<MorphCollider>(collider), Some(&own));
@@ -251,9 +251,7 @@ fn a_scene_within_a_scene_comes_and_goes() {
 }
 
 fn set_all(app: &mut App, collider: Option<MorphCollider>) {
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = collider;
+    app.settings().every_deforming_mesh = collider;
     app.update();
 }
 
@@ -263,7 +261,7 @@ fn three_meshes() -> (App, [Entity; 3]) {
     let mesh = add_mesh(&mut app, &stretching_cube());
     let weights = MeshMorphWeights::Value { weights: vec![0.0] };
     let own = spawn(&mut app, &mesh, 10.0);
-    app.world_mut().entity_mut(own).insert(weights.clone());
+    app.insert(own, weights.clone());
     let world = app.world_mut();
     let loose = world.spawn((Mesh3d(mesh.clone()), weights.clone())).id();
     let scene = world.spawn(MorphColliderScene::default()).id();
@@ -300,11 +298,9 @@ fn a_collider_that_the_user_removed_stays_away() {
     let (mut app, meshes @ [loose, own, _]) = three_meshes();
     set_all(&mut app, Some(FIRST));
     for mesh in [loose, own] {
-        app.world_mut().entity_mut(mesh).remove::<MorphCollider>();
+        app.remove::<MorphCollider>(mesh);
     }
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .max_triangle_pairs = 100;
+    app.settings().max_triangle_pairs = 100;
     app.update();
     assert_eq!(colliders(&app, meshes)[..2], [None, None]);
     set_all(&mut app, Some(MorphCollider::default()));
@@ -316,7 +312,7 @@ fn a_collider_that_the_user_changed_goes_its_own_way() {
     let (mut app, meshes @ [loose, ..]) = three_meshes();
     set_all(&mut app, Some(FIRST));
     let mine = MorphCollider::new(MorphCollisionMode::Contacts);
-    app.world_mut().entity_mut(loose).insert(mine);
+    app.insert(loose, mine);
     set_all(&mut app, Some(MorphCollider::default()));
     assert_eq!(colliders(&app, meshes)[0], Some(mine));
     set_all(&mut app, None);
@@ -331,12 +327,12 @@ fn a_scene_decides_before_the_setting_for_every_mesh() {
         collider: MorphCollider::default().with_margin(1.0),
         ..default()
     };
-    let root = app.world_mut().spawn(scene.clone()).id();
-    app.world_mut().entity_mut(loose).insert(ChildOf(root));
+    let root = app.spawn(scene.clone());
+    app.insert(loose, ChildOf(root));
     app.update();
     assert_eq!(colliders(&app, meshes)[0], Some(scene.collider));
     assert_eq!(app.world().get(loose), Some(&MorphColliderOf { body: root }));
-    app.world_mut().entity_mut(root).remove::<MorphColliderScene>();
+    app.remove::<MorphColliderScene>(root);
     app.update();
     assert_eq!(colliders(&app, meshes)[0], Some(FIRST));
 }
@@ -347,10 +343,10 @@ fn every_mesh_that_was_disabled_collides_when_it_comes_back() {
     let mesh = add_mesh(&mut app, &stretching_cube());
     let weights = MeshMorphWeights::Value { weights: vec![0.0] };
     let pooled = (Mesh3d(mesh.clone()), weights, Disabled);
-    let pooled = app.world_mut().spawn(pooled).id();
+    let pooled = app.spawn(pooled);
     let other = spawn(&mut app, &mesh, 20.5);
     set_all(&mut app, Some(FIRST));
-    app.world_mut().entity_mut(pooled).remove::<Disabled>();
+    app.remove::<Disabled>(pooled);
     // Bevy does not propagate transforms of disabled entities.
     move_to(&mut app, pooled, 20.0);
     settle(&mut app);

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 
-use crate::support::{add_mesh, app, cube, set_weight, settle, spawn};
+use crate::support::{Edits, add_mesh, app, cube, set_weight, settle, spawn};
 
 /// Cubes along the x axis in one mesh. The target moves the last one by -2.
 fn cubes(places: &[f32]) -> MorphMesh {
@@ -52,7 +52,7 @@ fn stage(places: &[f32], list: MorphSelfCollisions) -> (App, Entity) {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cubes(places));
     let collider = spawn(&mut app, &mesh, 10.0);
-    app.world_mut().entity_mut(collider).insert(list);
+    app.insert(collider, list);
     set_weight(&mut app, collider, 0.0);
     settle(&mut app);
     (app, collider)
@@ -99,9 +99,7 @@ fn the_points_follow_the_entity_and_nothing_starts() {
     let before = list(&app, collider).regions()[0].point;
     let mut messages = Messages::default();
     messages.run(&mut app);
-    app.world_mut()
-        .entity_mut(collider)
-        .insert(Transform::from_xyz(10.0, 3.0, 0.0));
+    app.insert(collider, Transform::from_xyz(10.0, 3.0, 0.0));
     assert_eq!(messages.run(&mut app), (vec![], vec![]));
     let after = list(&app, collider).regions()[0].point;
     assert!(after.distance(before + 3.0 * Vec3::Y) < 1e-5, "{before} {after}");
@@ -140,13 +138,13 @@ fn regions_end_when_the_collider_takes_no_part() {
     set_weight(&mut app, collider, 0.6);
     let mut messages = Messages::default();
     assert_eq!(messages.run(&mut app), (vec![0], vec![]));
-    app.world_mut().entity_mut(collider).insert(MorphColliderDisabled);
+    app.insert(collider, MorphColliderDisabled);
     assert_eq!(messages.run(&mut app), (vec![], vec![0]));
     assert_eq!(list(&app, collider).regions(), []);
-    app.world_mut().entity_mut(collider).remove::<MorphColliderDisabled>();
+    app.remove::<MorphColliderDisabled>(collider);
     assert_eq!(messages.run(&mut app), (vec![1], vec![]));
     let other = add_mesh(&mut app, &cubes(&[0.0, 1.9]));
-    app.world_mut().entity_mut(collider).insert(Mesh3d(other));
+    app.insert(collider, Mesh3d(other));
     let (mut started, mut ended) = (vec![], vec![]);
     for _ in 0..200 {
         let (starts, ends) = messages.run(&mut app);
@@ -165,9 +163,7 @@ fn regions_end_when_the_collider_takes_no_part() {
 #[test]
 fn the_limit_of_a_list_counts_and_says_so() {
     let (mut app, collider) = stage(&[0.0, 2.0], MorphSelfCollisions::default());
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .max_triangle_pairs = 1;
+    app.settings().max_triangle_pairs = 1;
     set_weight(&mut app, collider, 0.6);
     app.update();
     assert!(list(&app, collider).is_truncated());
@@ -200,9 +196,7 @@ fn several_meshes_are_compared_at_once() {
     let colliders: Vec<Entity> = (0..8)
         .map(|i| {
             let collider = spawn(&mut app, &mesh, 10.0 * i as f32);
-            app.world_mut()
-                .entity_mut(collider)
-                .insert(MorphSelfCollisions::default());
+            app.insert(collider, MorphSelfCollisions::default());
             set_weight(&mut app, collider, 0.1 * i as f32);
             collider
         })
@@ -221,13 +215,11 @@ fn disabled_entities_and_replaced_lists_end_their_regions() {
     set_weight(&mut app, collider, 0.6);
     let mut messages = Messages::default();
     assert_eq!(messages.run(&mut app), (vec![0], vec![]));
-    app.world_mut().entity_mut(collider).insert(Disabled);
+    app.insert(collider, Disabled);
     assert_eq!(messages.run(&mut app), (vec![], vec![0]));
-    app.world_mut().entity_mut(collider).remove::<Disabled>();
+    app.remove::<Disabled>(collider);
     assert_eq!(messages.run(&mut app), (vec![1], vec![]));
-    app.world_mut()
-        .entity_mut(collider)
-        .insert(MorphSelfCollisions::default());
+    app.insert(collider, MorphSelfCollisions::default());
     assert_eq!(messages.run(&mut app), (vec![2], vec![1]));
     // A copy starts its own regions.
     let copy = app.world_mut().entity_mut(collider).clone_and_spawn();
@@ -239,7 +231,7 @@ fn disabled_entities_and_replaced_lists_end_their_regions() {
     messages.run(&mut app);
     set_weight(&mut app, copy, 0.0);
     assert_eq!(messages.run(&mut app).1.len(), 1);
-    app.world_mut().entity_mut(collider).remove::<MorphSelfCollisions>();
+    app.remove::<MorphSelfCollisions>(collider);
     assert_eq!(messages.run(&mut app), (vec![], vec![2]));
 }
 

@@ -6,10 +6,10 @@ use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::rigid;
 
-use crate::support::{add_mesh, app, cube, diagnostics, set_weight, settle, spawn, stretching_cube, touches};
+use crate::support::{Edits, add_mesh, app, cube, diagnostics, set_weight, settle, spawn, stretching_cube, touches};
 
 fn spawn_shape(app: &mut App, shape: MorphShape, place: Transform) -> Entity {
-    app.world_mut().spawn((shape, place)).id()
+    app.spawn((shape, place))
 }
 
 #[test]
@@ -26,12 +26,7 @@ fn a_morph_reaches_a_ball_and_lets_go_of_it() {
     assert!(!touches(&app, cube, ball));
     set_weight(&mut app, cube, 1.0);
     app.update();
-    let contact = app
-        .world()
-        .resource::<MorphCollisions>()
-        .get(cube, ball)
-        .cloned()
-        .unwrap();
+    let contact = app.contact(cube, ball).unwrap();
     // The face is at x = 1.5; the ball starts at 1.25.
     assert!(
         contact.normal.x.abs() > 0.99 && contact.point.yz().length() < 0.6,
@@ -90,7 +85,7 @@ fn every_shape_stands_where_its_transform_says() {
         let entity = spawn_shape(&mut app, shape, near);
         settle(&mut app);
         assert!(touches(&app, cube, entity), "{shape:?} at {near:?}");
-        app.world_mut().entity_mut(entity).insert(far);
+        app.insert(entity, far);
         app.update();
         assert!(!touches(&app, cube, entity), "{shape:?} at {far:?}");
         app.world_mut().despawn(entity);
@@ -107,16 +102,9 @@ fn contacts_with_shapes_have_points_and_margins() {
         MorphShape::HalfSpace { normal: Vec3::Y },
         Transform::from_xyz(0.0, -0.4, 0.0),
     );
-    app.world_mut()
-        .entity_mut(floor)
-        .insert(MorphCollider::new(MorphCollisionMode::Contacts));
+    app.insert(floor, MorphCollider::new(MorphCollisionMode::Contacts));
     settle(&mut app);
-    let contact = app
-        .world()
-        .resource::<MorphCollisions>()
-        .get(cube, floor)
-        .cloned()
-        .unwrap();
+    let contact = app.contact(cube, floor).unwrap();
     assert!((contact.points[0].depth - 0.1).abs() < 1e-6, "{contact:?}");
     let up = if contact.collider1 == cube {
         Vec3::Y
@@ -126,16 +114,9 @@ fn contacts_with_shapes_have_points_and_margins() {
     assert!(contact.normal.distance(up) < 1e-6, "{contact:?}");
 
     let low = Transform::from_xyz(0.0, -0.7, 0.0);
-    app.world_mut()
-        .entity_mut(floor)
-        .insert((low, MorphCollider::default().with_margin(0.25)));
+    app.insert(floor, (low, MorphCollider::default().with_margin(0.25)));
     app.update();
-    let contact = app
-        .world()
-        .resource::<MorphCollisions>()
-        .get(cube, floor)
-        .cloned()
-        .unwrap();
+    let contact = app.contact(cube, floor).unwrap();
     assert!(
         (contact.distance - 0.2).abs() < 1e-6 && contact.triangles.is_empty(),
         "{contact:?}"
@@ -158,7 +139,7 @@ fn a_bad_shape_is_logged_with_its_name() {
     crate::log::Errors::collect(|errors| {
         let mut app = app();
         let ball = spawn_shape(&mut app, MorphShape::Ball { radius: -1.0 }, Transform::default());
-        app.world_mut().entity_mut(ball).insert(Name::new("bubble"));
+        app.insert(ball, Name::new("bubble"));
         app.update();
         app.update();
         let logged = errors.take();
@@ -176,7 +157,7 @@ fn crumbs(app: &mut App) -> [Entity; 2] {
     let inside = spawn(app, &crumb, 0.1);
     let corner = spawn(app, &crumb, 0.0);
     let place = Transform::from_translation(Vec3::splat(0.5));
-    app.world_mut().entity_mut(corner).insert(place);
+    app.insert(corner, place);
     settle(app);
     [inside, corner]
 }
@@ -194,7 +175,7 @@ fn a_shape_beside_a_mesh_wins_from_the_first_frame_on() {
     let mut app = app();
     let crumbs = crumbs(&mut app);
     let mesh = add_mesh(&mut app, &cube());
-    let both = app.world_mut().spawn((Mesh3d(mesh.clone()), BALL)).id();
+    let both = app.spawn((Mesh3d(mesh.clone()), BALL));
     for frame in 0..5 {
         app.update();
         assert!(is_ball(&app, both, crumbs), "frame {frame}");
@@ -225,10 +206,10 @@ fn a_shape_that_comes_or_goes_takes_over_at_once() {
         app.world_mut().run_system_once(cast).unwrap()
     };
     for _ in 0..2 {
-        app.world_mut().entity_mut(both).insert(BALL);
+        app.insert(both, BALL);
         app.update();
         assert!(is_ball(&app, both, crumbs) && !seen(&mut app));
-        app.world_mut().entity_mut(both).remove::<MorphShape>();
+        app.remove::<MorphShape>(both);
         app.update();
         assert!(!is_ball(&app, both, crumbs) && seen(&mut app));
     }

@@ -48,6 +48,42 @@ pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
     app
 }
 
+/// Edits of an app between two frames, and what it found.
+pub(crate) trait Edits {
+    fn spawn(&mut self, bundle: impl Bundle) -> Entity;
+
+    fn insert(&mut self, entity: Entity, bundle: impl Bundle);
+
+    fn remove<T: Bundle>(&mut self, entity: Entity);
+
+    fn settings(&mut self) -> Mut<'_, MorphCollisionSettings>;
+
+    /// The contact of two colliders, if they touch.
+    fn contact(&self, a: Entity, b: Entity) -> Option<MorphContact>;
+}
+
+impl Edits for App {
+    fn spawn(&mut self, bundle: impl Bundle) -> Entity {
+        self.world_mut().spawn(bundle).id()
+    }
+
+    fn insert(&mut self, entity: Entity, bundle: impl Bundle) {
+        self.world_mut().entity_mut(entity).insert(bundle);
+    }
+
+    fn remove<T: Bundle>(&mut self, entity: Entity) {
+        self.world_mut().entity_mut(entity).remove::<T>();
+    }
+
+    fn settings(&mut self) -> Mut<'_, MorphCollisionSettings> {
+        self.world_mut().resource_mut()
+    }
+
+    fn contact(&self, a: Entity, b: Entity) -> Option<MorphContact> {
+        self.world().resource::<MorphCollisions>().get(a, b).cloned()
+    }
+}
+
 /// A cube with sides of 1 around the origin.
 pub(crate) fn cube() -> MorphMesh {
     rigid::box_mesh(Vec3::splat(0.5))
@@ -69,10 +105,7 @@ pub(crate) fn add_mesh(app: &mut App, mesh: &MorphMesh) -> Handle<Mesh> {
 /// A collider along the x axis.
 pub(crate) fn spawn(app: &mut App, mesh: &Handle<Mesh>, x: f32) -> Entity {
     let place = Transform::from_xyz(x, 0.0, 0.0);
-    let world = app.world_mut();
-    world
-        .spawn((Mesh3d(mesh.clone()), place, MorphCollider::default()))
-        .id()
+    app.spawn((Mesh3d(mesh.clone()), place, MorphCollider::default()))
 }
 
 /// Two cubes, the second at `x`, after a first frame.
@@ -85,14 +118,12 @@ pub(crate) fn two_cubes(x: f32) -> (App, [Entity; 2]) {
 }
 
 pub(crate) fn move_to(app: &mut App, entity: Entity, x: f32) {
-    app.world_mut()
-        .entity_mut(entity)
-        .insert(Transform::from_xyz(x, 0.0, 0.0));
+    app.insert(entity, Transform::from_xyz(x, 0.0, 0.0));
 }
 
 pub(crate) fn set_weight(app: &mut App, entity: Entity, weight: f32) {
     let weights = MeshMorphWeights::Value { weights: vec![weight] };
-    app.world_mut().entity_mut(entity).insert(weights);
+    app.insert(entity, weights);
 }
 
 /// Runs frames until no tree is being built and all trees are in use.

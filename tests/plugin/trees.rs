@@ -10,7 +10,8 @@ use bevy_morph_collision::prelude::*;
 
 use crate::log::{Errors, start};
 use crate::support::{
-    add_mesh, bevy_mesh, cube, diagnostics, fixed_app, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+    Edits, add_mesh, bevy_mesh, cube, diagnostics, fixed_app, move_to, settle, spawn, stretching_cube, touches,
+    two_cubes,
 };
 use morph_collision_models::generated::rigid;
 
@@ -108,10 +109,10 @@ fn another_mesh_on_the_same_entity_is_taken_up() {
     let (mut app, [a, b]) = two_cubes(1.2);
     assert!(!touches(&app, a, b));
     let large = add_mesh(&mut app, &rigid::box_mesh(Vec3::splat(1.0)));
-    app.world_mut().entity_mut(a).insert(Mesh3d(large));
+    app.insert(a, Mesh3d(large));
     settle(&mut app);
     assert!(touches(&app, a, b));
-    app.world_mut().entity_mut(a).remove::<Mesh3d>();
+    app.remove::<Mesh3d>(a);
     app.update();
     assert!(!touches(&app, a, b));
 }
@@ -126,14 +127,14 @@ fn another_mesh_is_taken_up_in_a_fixed_schedule_too() {
     ];
     let [small, large, larger] = meshes.map(|mesh| add_mesh(&mut app, &mesh));
     let [a, b, c] = [(&small, 0.0), (&small, 1.2), (&larger, 2.5)].map(|(mesh, x)| spawn(&mut app, mesh, x));
-    app.world_mut().entity_mut(c).insert(MorphShape::Ball { radius: 0.1 });
+    app.insert(c, MorphShape::Ball { radius: 0.1 });
     settle(&mut app);
     assert!(!touches(&app, a, b) && !touches(&app, b, c));
     // The plugin sees both changes in the fixed schedule first, before trees are requested.
-    app.world_mut().entity_mut(a).insert(Mesh3d(large));
+    app.insert(a, Mesh3d(large));
     settle(&mut app);
     assert!(touches(&app, a, b));
-    app.world_mut().entity_mut(c).remove::<MorphShape>();
+    app.remove::<MorphShape>(c);
     settle(&mut app);
     assert!(touches(&app, b, c));
 }
@@ -193,7 +194,7 @@ fn tree_count(app: &App) -> usize {
 fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
     let (mut app, [a, b]) = two_cubes(0.8);
     for leaf_size in 1..=20 {
-        app.world_mut().entity_mut(a).insert(leaves_of(leaf_size));
+        app.insert(a, leaves_of(leaf_size));
         // Changes the settings again both before and after the tree is done.
         match leaf_size % 2 {
             0 => settle(&mut app),
@@ -205,17 +206,13 @@ fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
     }
     assert!(touches(&app, a, b));
     // Settings of disabled or excluded colliders are used too.
-    app.world_mut()
-        .entity_mut(b)
-        .insert((leaves_of(30), MorphColliderDisabled));
+    app.insert(b, (leaves_of(30), MorphColliderDisabled));
     settle(&mut app);
-    app.world_mut()
-        .entity_mut(b)
-        .insert(bevy::ecs::entity_disabling::Disabled);
-    app.world_mut().entity_mut(a).insert(leaves_of(31));
+    app.insert(b, bevy::ecs::entity_disabling::Disabled);
+    app.insert(a, leaves_of(31));
     settle(&mut app);
     assert_eq!(tree_count(&app), 2);
-    app.world_mut().entity_mut(a).remove::<MorphTreeOptions>();
+    app.remove::<MorphTreeOptions>(a);
     settle(&mut app);
     assert_eq!(tree_count(&app), 2);
     app.world_mut().despawn(b);
@@ -226,7 +223,7 @@ fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
 #[test]
 fn the_last_trees_of_a_mesh_stay_for_what_is_spawned_next() {
     let (mut app, [a, b]) = two_cubes(0.8);
-    app.world_mut().entity_mut(b).insert(leaves_of(1));
+    app.insert(b, leaves_of(1));
     settle(&mut app);
     let mesh = app.world().get::<Mesh3d>(a).unwrap().0.clone();
     let trees = |app: &App| {
@@ -240,7 +237,7 @@ fn the_last_trees_of_a_mesh_stay_for_what_is_spawned_next() {
     }
     app.update();
     let [a, b] = [0.0, 0.8].map(|x| spawn(&mut app, &mesh, x));
-    app.world_mut().entity_mut(b).insert(leaves_of(1));
+    app.insert(b, leaves_of(1));
     app.update();
     assert!(touches(&app, a, b), "at once");
     assert_eq!(trees(&app), before);
@@ -256,7 +253,7 @@ fn bounds_keep_the_tree_that_they_use() {
     let collider = spawn(&mut app, &mesh, 0.0);
     crate::support::set_weight(&mut app, collider, 0.0);
     settle(&mut app);
-    app.world_mut().entity_mut(collider).insert(leaves_of(1));
+    app.insert(collider, leaves_of(1));
     settle(&mut app);
     assert_eq!(tree_count(&app), 2);
     crate::support::set_weight(&mut app, collider, 3.0);
@@ -273,7 +270,7 @@ fn trees_with_other_settings_share_the_mesh() {
     let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
     let taken = meshes.get_mut_untracked(mesh).unwrap().take_gpu_data();
     taken.expect("the data is still there");
-    app.world_mut().entity_mut(b).insert(leaves_of(1));
+    app.insert(b, leaves_of(1));
     settle(&mut app);
     assert!(touches(&app, a, b));
     let trees = app.world().resource::<MorphTrees>();

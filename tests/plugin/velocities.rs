@@ -8,7 +8,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::STEP;
 
-use crate::support::{add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube};
 
 const PER_FRAME: f32 = 1.0 / 60.0;
 
@@ -76,21 +76,17 @@ fn it_is_none_where_there_is_nothing_to_compare_with() {
     app.update();
     assert_near(below(&mut app, 0.1), Vec3::ZERO);
     // Disabled for a run, then back at another place.
-    app.world_mut().entity_mut(cube).insert(MorphColliderDisabled);
+    app.insert(cube, MorphColliderDisabled);
     app.update();
-    app.world_mut().entity_mut(cube).remove::<MorphColliderDisabled>();
+    app.remove::<MorphColliderDisabled>(cube);
     move_to(&mut app, cube, 0.2);
     app.update();
     assert_eq!(below(&mut app, 0.1), None, "it was not there in the run before");
     // The same holds for an entity that was disabled without being queried.
     app.update();
-    app.world_mut()
-        .entity_mut(cube)
-        .insert(bevy::ecs::entity_disabling::Disabled);
+    app.insert(cube, bevy::ecs::entity_disabling::Disabled);
     app.update();
-    app.world_mut()
-        .entity_mut(cube)
-        .remove::<bevy::ecs::entity_disabling::Disabled>();
+    app.remove::<bevy::ecs::entity_disabling::Disabled>(cube);
     app.update();
     assert_eq!(below(&mut app, 0.1), None, "nor then");
     app.update();
@@ -103,7 +99,7 @@ fn it_is_none_where_there_is_nothing_to_compare_with() {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     // Another mesh.
     let other = add_mesh(&mut app, &stretching_cube());
-    app.world_mut().entity_mut(cube).insert(Mesh3d(other));
+    app.insert(cube, Mesh3d(other));
     settle(&mut app);
     app.update();
     assert_near(below(&mut app, 0.1), Vec3::ZERO);
@@ -124,7 +120,7 @@ fn a_swapped_mesh_has_no_velocity_in_its_first_run() {
     spawn(&mut app, &large, 50.0);
     settle(&mut app);
     app.update();
-    app.world_mut().entity_mut(swapped).insert(Mesh3d(large));
+    app.insert(swapped, Mesh3d(large));
     app.update();
     assert_eq!(below(&mut app, 0.1), None);
     app.update();

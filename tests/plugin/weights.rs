@@ -7,14 +7,16 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 
 use crate::log::Errors;
-use crate::support::{add_mesh, app, bevy_mesh, cube, move_to, set_weight, settle, spawn, stretching_cube, touches};
+use crate::support::{
+    Edits, add_mesh, app, bevy_mesh, cube, move_to, set_weight, settle, spawn, stretching_cube, touches,
+};
 
 /// A stretching cube at 0, and a rigid one that it reaches with weight 1 but not at rest.
 fn cubes_apart() -> (App, [Entity; 2]) {
     let mut app = app();
     let (morphing, rigid) = (add_mesh(&mut app, &stretching_cube()), add_mesh(&mut app, &cube()));
     let cubes = [spawn(&mut app, &morphing, 0.0), spawn(&mut app, &rigid, 1.75)];
-    app.world_mut().entity_mut(cubes[0]).insert(Name::new("stretchy"));
+    app.insert(cubes[0], Name::new("stretchy"));
     settle(&mut app);
     (app, cubes)
 }
@@ -28,7 +30,7 @@ fn a_morph_alone_makes_two_colliders_touch_and_part() {
         app.update();
         assert_eq!(touches(&app, a, b), expected, "weight {weight}");
     }
-    app.world_mut().entity_mut(a).remove::<MeshMorphWeights>();
+    app.remove::<MeshMorphWeights>(a);
     app.update();
     assert!(!touches(&app, a, b), "without weights a mesh is at rest");
 }
@@ -37,10 +39,8 @@ fn a_morph_alone_makes_two_colliders_touch_and_part() {
 fn weights_by_reference_are_followed() {
     let (mut app, [a, b]) = cubes_apart();
     let weights = MorphWeights::new(vec![0.0], None).expect("one weight is not too many");
-    let source = app.world_mut().spawn(weights).id();
-    app.world_mut()
-        .entity_mut(a)
-        .insert(MeshMorphWeights::Reference(source));
+    let source = app.spawn(weights);
+    app.insert(a, MeshMorphWeights::Reference(source));
     app.update();
     assert!(!touches(&app, a, b));
     for (weight, expected) in [(1.0, true), (0.0, false)] {
@@ -71,7 +71,7 @@ fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
             (MeshMorphWeights::Reference(nobody), "no MorphWeights"),
         ];
         for (weights, reason) in bad {
-            app.world_mut().entity_mut(a).insert(weights);
+            app.insert(a, weights);
             // A wrong number of weights may be corrected soon.
             for _ in 0..30 {
                 app.update();
@@ -125,14 +125,14 @@ fn targets_and_weights_may_change_one_after_the_other() {
                     meshes.insert(id, bevy_mesh(&stretching_both_ways())).unwrap();
                 } else {
                     let mesh = add_mesh(app, &stretching_both_ways());
-                    app.world_mut().entity_mut(a).insert(Mesh3d(mesh));
+                    app.insert(a, Mesh3d(mesh));
                 }
             };
             let change_weights = |app: &mut App| {
                 let weights = MeshMorphWeights::Value {
                     weights: vec![0.5, 2.0],
                 };
-                app.world_mut().entity_mut(a).insert(weights);
+                app.insert(a, weights);
             };
             if mesh_first {
                 change_mesh(&mut app);
@@ -169,12 +169,12 @@ fn a_wrong_number_of_weights_that_stays_is_logged_once() {
         for change in [0, 1] {
             if change == 0 {
                 let weights = MeshMorphWeights::Value { weights: vec![0.0; 2] };
-                app.world_mut().entity_mut(a).insert(weights);
+                app.insert(a, weights);
             } else {
                 set_weight(&mut app, a, 0.0);
                 app.update();
                 let mesh = add_mesh(&mut app, &stretching_both_ways());
-                app.world_mut().entity_mut(a).insert(Mesh3d(mesh));
+                app.insert(a, Mesh3d(mesh));
                 settle(&mut app);
             }
             for _ in 0..60 {
@@ -210,7 +210,7 @@ fn weights_on_a_mesh_without_targets_mean_nothing() {
 fn primitives_under_one_node_share_its_weights() {
     let (mut app, [a, b]) = cubes_apart();
     let weights = MorphWeights::new(vec![0.0], None).expect("one weight is not too many");
-    let node = app.world_mut().spawn((weights, Transform::default())).id();
+    let node = app.spawn((weights, Transform::default()));
     let mesh = add_mesh(&mut app, &stretching_cube());
     let other = spawn(&mut app, &mesh, 0.0);
     for primitive in [a, other] {
@@ -219,7 +219,7 @@ fn primitives_under_one_node_share_its_weights() {
             ChildOf(node),
             MorphColliderOf { body: node },
         );
-        app.world_mut().entity_mut(primitive).insert(shared);
+        app.insert(primitive, shared);
     }
     settle(&mut app);
     assert!(!touches(&app, a, b) && !touches(&app, other, b));

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::actors::{Actor, blobs, scatter, skinned_blob};
-use crate::support::{app, settle, touches};
+use crate::support::{Edits, app, settle, touches};
 
 /// A mesh on its way.
 struct Way<'a> {
@@ -139,22 +139,20 @@ fn judge(app: &mut App, actors: &[Actor], frames: usize, seed: u64) -> Seen {
         scatter(app, actors, &mut rng);
         let teleported = rng.random_range(0..3 * actors.len());
         if let Some(actor) = actors.get(teleported) {
-            app.world_mut().entity_mut(actor.entity).insert(MorphTeleported);
+            app.insert(actor.entity, MorphTeleported);
         }
         let chosen = &actors[frame % actors.len()];
         match rng.random_range(0..12) {
             0 => {
-                app.world_mut().entity_mut(chosen.entity).insert(MorphColliderDisabled);
+                app.insert(chosen.entity, MorphColliderDisabled);
             }
             1..5 => {
-                app.world_mut()
-                    .entity_mut(chosen.entity)
-                    .remove::<MorphColliderDisabled>();
+                app.remove::<MorphColliderDisabled>(chosen.entity);
             }
             _ => {}
         }
         let paused = rng.random_bool(0.04);
-        app.world_mut().resource_mut::<MorphCollisionSettings>().paused = paused;
+        app.settings().paused = paused;
         app.update();
         let starts: Vec<MorphCollisionStart> = cursors.0.read(app.world().resource()).copied().collect();
         let ends: Vec<MorphCollisionEnd> = cursors.1.read(app.world().resource()).copied().collect();

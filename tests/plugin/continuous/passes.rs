@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 use super::{HALF, Range, make_continuous};
-use crate::support::{BodyMessages, add_mesh, cube, diagnostics, fixed_app, settle, spawn, touches};
+use crate::support::{BodyMessages, Edits, add_mesh, cube, diagnostics, fixed_app, settle, spawn, touches};
 
 #[test]
 fn without_continuous_colliders_nothing_is_noticed() {
@@ -185,10 +185,10 @@ fn bodies_that_pass_touch_once_and_at_the_first_of_their_parts() {
     let ahead = spawn(&mut range.app, &mesh, -1.0);
     let aside = spawn(&mut range.app, &mesh, -2.0);
     let away = Transform::from_xyz(-2.0, 50.0, 0.0);
-    range.app.world_mut().entity_mut(aside).insert(away);
+    range.app.insert(aside, away);
     for part in [range.bullet, ahead, aside] {
         let body = MorphColliderOf { body: root };
-        range.app.world_mut().entity_mut(part).insert(body);
+        range.app.insert(part, body);
         make_continuous(&mut range.app, part, true);
     }
     settle(&mut range.app);

@@ -15,7 +15,7 @@ use morph_collision_workspace::physics::sheet;
 use super::judged::first_touch;
 use super::make_continuous;
 use crate::skins::{add, boned, put, skeleton, spawn_joints, spawn_skinned};
-use crate::support::{Messages, add_mesh, app, cube, set_weight, settle, spawn};
+use crate::support::{Edits, Messages, add_mesh, app, cube, set_weight, settle, spawn};
 
 const RADIUS: f32 = 0.2;
 
@@ -123,7 +123,7 @@ fn a_fast_ball_falls_through_a_morphing_sheet_at_30_frames_per_second() {
     let pose = |app: &mut App, frame: usize| {
         let weights = vec![weight(frame), 0.0];
         let weights = bevy::mesh::morph::MeshMorphWeights::Value { weights };
-        app.world_mut().entity_mut(sheet).insert(weights);
+        app.insert(sheet, weights);
         put(app, ball, place(frame));
     };
     pose(&mut app, 0);

@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::make_continuous;
 use crate::actors::{Actor, blobs, skinned_blob};
-use crate::support::{add_mesh, app, diagnostics, settle, spawn};
+use crate::support::{Edits, add_mesh, app, diagnostics, settle, spawn};
 
 /// Tests of features by exact arithmetic that a pair may take, and that all pairs of an update share (`narrow_phase/motion`).
 const EXACT_PER_PAIR: u64 = 20;
@@ -73,7 +73,7 @@ fn torment(app: &mut App, actor: &Actor, rng: &mut Pcg64Mcg) {
     }
     if let Some(weights) = weights {
         let weights = MeshMorphWeights::Value { weights };
-        app.world_mut().entity_mut(actor.entity).insert(weights);
+        app.insert(actor.entity, weights);
     }
 }
 
@@ -192,12 +192,12 @@ fn spheres_that_become_extreme_in_one_frame_cost_little() {
                 for (sphere, side) in spheres.into_iter().zip([-1.0, 1.0]) {
                     let place = of_sphere.with_translation(Vec3::X * (side * x));
                     *app.world_mut().get_mut::<Transform>(sphere).unwrap() = place;
-                    app.world_mut().entity_mut(sphere).remove::<MorphTeleported>();
+                    app.remove::<MorphTeleported>(sphere);
                 }
             };
             put(start, start, 0.8);
             for sphere in spheres {
-                app.world_mut().entity_mut(sphere).insert(MorphTeleported);
+                app.insert(sphere, MorphTeleported);
             }
             app.update();
             let mut place = |entity: Entity, to: Transform| *app.world_mut().get_mut::<Transform>(entity).unwrap() = to;

@@ -6,34 +6,24 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::rigid;
 
 use super::{HALF, Range, make_continuous};
-use crate::support::{add_mesh, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches};
+use crate::support::{
+    Edits, add_mesh, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches,
+};
 
 #[test]
 fn layers_and_bodies_apply_on_the_way() {
     let mut range = Range::new();
     let (bullet, wall) = (range.bullet, range.wall);
-    range
-        .app
-        .world_mut()
-        .entity_mut(bullet)
-        .insert(MorphCollisionLayers::new(1, 2));
+    range.app.insert(bullet, MorphCollisionLayers::new(1, 2));
     range.app.update();
     range.shoot(2.0);
     assert_eq!(range.counts(), (1, 1), "the wall is on all layers");
-    range
-        .app
-        .world_mut()
-        .entity_mut(wall)
-        .insert(MorphCollisionLayers::new(1, 1));
+    range.app.insert(wall, MorphCollisionLayers::new(1, 1));
     range.app.update();
     range.shoot(-2.0);
     assert_eq!(range.counts(), (0, 0));
-    range.app.world_mut().entity_mut(wall).insert(MorphCollisionLayers::ALL);
-    range
-        .app
-        .world_mut()
-        .entity_mut(bullet)
-        .insert(MorphColliderOf { body: wall });
+    range.app.insert(wall, MorphCollisionLayers::ALL);
+    range.app.insert(bullet, MorphColliderOf { body: wall });
     range.app.update();
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 0), "one body");
@@ -66,7 +56,7 @@ fn weights_move_colliders_too() {
     let mut range = Range::new();
     let mesh = add_mesh(&mut range.app, &stretching_cube());
     let (arm, wall) = (range.bullet, range.wall);
-    range.app.world_mut().entity_mut(arm).insert(Mesh3d(mesh));
+    range.app.insert(arm, Mesh3d(mesh));
     set_weight(&mut range.app, arm, 0.0);
     settle(&mut range.app);
     // A punch, and back: at both ends of each frame it is in front of the wall.
@@ -92,17 +82,13 @@ fn weights_move_colliders_too() {
 fn pairs_with_a_shape_have_no_way() {
     let mut range = Range::new();
     let wall = range.wall;
-    range
-        .app
-        .world_mut()
-        .entity_mut(wall)
-        .insert(MorphShape::Ball { radius: 0.1 });
+    range.app.insert(wall, MorphShape::Ball { radius: 0.1 });
     settle(&mut range.app);
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 0));
     assert_eq!(diagnostics(&range.app).swept_pairs, 0);
     // What becomes a mesh again was not one in the last run.
-    range.app.world_mut().entity_mut(wall).remove::<MorphShape>();
+    range.app.remove::<MorphShape>(wall);
     range.shoot(-2.0);
     assert_eq!(range.counts(), (0, 0));
     range.shoot(2.0);
@@ -112,7 +98,7 @@ fn pairs_with_a_shape_have_no_way() {
 #[test]
 fn a_teleport_is_no_motion() {
     let mut range = Range::new();
-    range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);
+    range.app.insert(range.bullet, MorphTeleported);
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 0));
     assert_eq!(diagnostics(&range.app).swept_pairs, 0);
@@ -123,14 +109,14 @@ fn a_teleport_is_no_motion() {
     range.shoot(-2.0);
     assert_eq!(range.counts(), (1, 1));
     // Where it appears, it collides as usual.
-    range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);
+    range.app.insert(range.bullet, MorphTeleported);
     range.shoot(0.2);
     let (starts, ends) = range.news();
     assert_eq!((starts.len(), ends.len(), starts[0].impact), (1, 0, None));
     // The other one may teleport as well.
     range.shoot(-2.0);
     range.news();
-    range.app.world_mut().entity_mut(range.wall).insert(MorphTeleported);
+    range.app.insert(range.wall, MorphTeleported);
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 0));
 }
@@ -139,7 +125,7 @@ fn a_teleport_is_no_motion() {
 fn a_teleport_counts_for_what_is_below_and_for_parts_of_a_body() {
     for as_child in [true, false] {
         let mut range = Range::new();
-        let root = range.app.world_mut().spawn(Transform::default()).id();
+        let root = range.app.spawn(Transform::default());
         let mut bullet = range.app.world_mut().entity_mut(range.bullet);
         if as_child {
             let between = bullet.world_scope(|world| world.spawn((Transform::default(), ChildOf(root))).id());
@@ -148,7 +134,7 @@ fn a_teleport_counts_for_what_is_below_and_for_parts_of_a_body() {
             bullet.insert(MorphColliderOf { body: root });
         }
         range.app.update();
-        range.app.world_mut().entity_mut(root).insert(MorphTeleported);
+        range.app.insert(root, MorphTeleported);
         range.shoot(2.0);
         assert_eq!(range.counts(), (0, 0));
         range.shoot(-2.0);
@@ -161,10 +147,10 @@ fn a_teleport_counts_for_what_is_below_and_for_parts_of_a_body() {
 fn a_teleport_waits_for_the_next_run() {
     let mut range = Range::new();
     let pause = |range: &mut Range, paused: bool| {
-        range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = paused;
+        range.app.settings().paused = paused;
     };
     pause(&mut range, true);
-    range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);
+    range.app.insert(range.bullet, MorphTeleported);
     range.app.update();
     assert!(range.app.world().get::<MorphTeleported>(range.bullet).is_some());
     pause(&mut range, false);
@@ -175,18 +161,18 @@ fn a_teleport_waits_for_the_next_run() {
 #[test]
 fn motion_during_a_pause_does_not_count() {
     let mut range = Range::new();
-    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    range.app.settings().paused = true;
     range.shoot(1.0);
     range.shoot(2.0);
-    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    range.app.settings().paused = false;
     range.shoot(2.5);
     assert_eq!(range.counts(), (0, 0));
     range.shoot(-2.0);
     assert_eq!(range.counts(), (1, 1), "from the second frame on, it does");
     // If nothing moves in the first frame after a pause, that is all.
-    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    range.app.settings().paused = true;
     range.app.update();
-    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    range.app.settings().paused = false;
     range.app.update();
     range.shoot(2.0);
     assert_eq!(range.counts(), (1, 1));
@@ -205,25 +191,21 @@ fn a_collider_that_was_not_there_has_no_way() {
     };
     for entity in [bullet, wall] {
         // Disabled and enabled again, ours and Bevy's.
-        range.app.world_mut().entity_mut(entity).insert(MorphColliderDisabled);
+        range.app.insert(entity, MorphColliderDisabled);
         assert_eq!(cross(&mut range), (0, 0));
-        range
-            .app
-            .world_mut()
-            .entity_mut(entity)
-            .remove::<MorphColliderDisabled>();
+        range.app.remove::<MorphColliderDisabled>(entity);
         assert_eq!(cross(&mut range), (0, 0), "it is there again, but was not before");
         assert_eq!(cross(&mut range), (1, 1));
     }
-    range.app.world_mut().entity_mut(wall).insert(Disabled);
+    range.app.insert(wall, Disabled);
     assert_eq!(cross(&mut range), (0, 0));
-    range.app.world_mut().entity_mut(wall).remove::<Disabled>();
+    range.app.remove::<Disabled>(wall);
     assert_eq!(cross(&mut range), (0, 0));
     assert_eq!(cross(&mut range), (1, 1));
 
     // Another mesh, as soon as its tree is built.
     let thin = add_mesh(&mut range.app, &rigid::box_mesh(Vec3::new(0.1, 0.2, 0.2)));
-    range.app.world_mut().entity_mut(bullet).insert(Mesh3d(thin));
+    range.app.insert(bullet, Mesh3d(thin));
     range.app.update();
     settle(&mut range.app);
     assert_eq!(range.counts(), (0, 0));
@@ -290,27 +272,19 @@ fn scenes_and_the_setting_pass_it_on() {
     let mesh = add_mesh(&mut range.app, &stretching_cube());
     // Above the other cube.
     let above = |x: f32| Transform::from_xyz(x, 2.0, 0.0);
-    let fist = range.app.world_mut().spawn((Mesh3d(mesh), above(-2.0))).id();
+    let fist = range.app.spawn((Mesh3d(mesh), above(-2.0)));
     set_weight(&mut range.app, fist, 0.0);
     let continuous = MorphCollider::default().with_continuous(true);
-    range
-        .app
-        .world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = Some(continuous);
+    range.app.settings().every_deforming_mesh = Some(continuous);
     settle(&mut range.app);
     range.counts();
-    range.app.world_mut().entity_mut(fist).insert(above(2.0));
+    range.app.insert(fist, above(2.0));
     range.app.update();
     assert_eq!(range.counts(), (1, 1));
     let plain = MorphCollider::default();
-    range
-        .app
-        .world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = Some(plain);
+    range.app.settings().every_deforming_mesh = Some(plain);
     range.app.update();
-    range.app.world_mut().entity_mut(fist).insert(above(-2.0));
+    range.app.insert(fist, above(-2.0));
     range.app.update();
     assert_eq!(range.counts(), (0, 0), "the collider follows the setting");
 }
@@ -360,17 +334,9 @@ fn a_margin_counts_at_the_end_of_the_way_only() {
 #[test]
 fn what_was_not_compared_before_may_touch_at_the_start() {
     let mut range = Range::new();
-    range
-        .app
-        .world_mut()
-        .entity_mut(range.bullet)
-        .insert(MorphCollisionLayers::NONE);
+    range.app.insert(range.bullet, MorphCollisionLayers::NONE);
     range.shoot(0.2);
-    range
-        .app
-        .world_mut()
-        .entity_mut(range.bullet)
-        .insert(MorphCollisionLayers::ALL);
+    range.app.insert(range.bullet, MorphCollisionLayers::ALL);
     range.shoot(2.0);
     let (starts, ends) = range.news();
     assert_eq!((starts.len(), ends.len()), (1, 1));

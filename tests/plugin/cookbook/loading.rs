@@ -6,7 +6,7 @@ use bevy_morph_collision::prelude::*;
 
 use super::programs::loading_screen::{Bar, Model, Playing, game};
 use super::{play_until, program};
-use crate::support::{add_mesh, cube};
+use crate::support::{Edits, add_mesh, cube};
 
 /// The state at every start of the game.
 #[derive(Resource, Default)]
@@ -65,7 +65,7 @@ fn the_game_starts_once_and_after_all_trees() {
     let mut parts = app.world_mut().query_filtered::<Entity, With<MorphCollider>>();
     let part = parts.iter(app.world()).next().expect("there are parts");
     let other = add_mesh(&mut app, &cube());
-    app.world_mut().entity_mut(part).insert(Mesh3d(other));
+    app.insert(part, Mesh3d(other));
     for _ in 0..30 {
         app.update();
     }
@@ -85,7 +85,7 @@ fn a_file_that_is_missing_does_not_hold_the_game_up() {
     app.world_mut().entity_mut(model).despawn();
     let missing = app.world().resource::<AssetServer>().load("missing.glb#Scene0");
     let scene = (WorldAssetRoot(missing), MorphColliderScene::default());
-    app.world_mut().spawn((Model, scene, Visibility::Hidden));
+    app.spawn((Model, scene, Visibility::Hidden));
     play_until(&mut app, |world| world.contains_resource::<Playing>());
     let starts = &app.world().resource::<Starts>().0;
     assert_eq!(starts.len(), 1);

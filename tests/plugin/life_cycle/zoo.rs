@@ -11,7 +11,7 @@ use morph_collision_models::mesh::MorphMesh;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::support::{add_mesh, app, bevy_mesh, cube, settle, stretching_cube};
+use crate::support::{Edits, add_mesh, app, bevy_mesh, cube, settle, stretching_cube};
 
 pub(super) struct Zoo {
     pub(super) app: App,
@@ -56,15 +56,13 @@ impl Zoo {
                 MorphCollider::default(),
                 MorphCollisionLayers::NONE,
             );
-            app.world_mut().spawn(keeper);
+            app.spawn(keeper);
         }
         // In every other life, lists are truncated early.
         if seed % 2 == 1 {
-            app.world_mut()
-                .resource_mut::<MorphCollisionSettings>()
-                .max_triangle_pairs = 40;
+            app.settings().max_triangle_pairs = 40;
         }
-        let cages = (0..3).map(|_| app.world_mut().spawn(cage()).id()).collect();
+        let cages = (0..3).map(|_| app.spawn(cage())).collect();
         settle(&mut app);
         Self {
             app,
@@ -120,7 +118,7 @@ impl Zoo {
     }
 
     pub(super) fn despawn_everything(&mut self) {
-        self.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+        self.app.settings().paused = false;
         for entity in self.animals.drain(..).chain(self.cages.drain(..)) {
             self.app.world_mut().try_despawn(entity).ok();
         }

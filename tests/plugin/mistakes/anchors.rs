@@ -4,13 +4,13 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 use super::{is_fine, says, warning_about};
-use crate::support::{add_mesh, cube, spawn};
+use crate::support::{Edits, add_mesh, cube, spawn};
 
 /// The warning about a hat on an entity.
 fn warning(target: impl FnOnce(&mut App) -> MorphSurfaceAnchor) -> String {
     let warning = warning_about(|app| {
         let anchor = target(app);
-        app.world_mut().spawn((anchor, Name::new("Hat")));
+        app.spawn((anchor, Name::new("Hat")));
     });
     says(&warning, &["`MorphSurfaceAnchor` of entity `Hat` follows nothing"]);
     warning
@@ -26,20 +26,20 @@ fn an_anchor_on_what_is_no_surface_is_told() {
         &warning(|_| MorphSurfaceAnchor::default()),
         &["does not exist", "`MorphRayHit::entity`"],
     );
-    let no_collider = warning(|app| on(app.world_mut().spawn(Name::new("Head")).id()));
+    let no_collider = warning(|app| on(app.spawn(Name::new("Head"))));
     says(
         &no_collider,
         &["`Head`", "is no collider", "`MorphCollider` and `Mesh3d`"],
     );
     let body = warning(|app| {
         let mesh = add_mesh(app, &cube());
-        let head = app.world_mut().spawn(Name::new("Head")).id();
+        let head = app.spawn(Name::new("Head"));
         let part = spawn(app, &mesh, 0.0);
-        app.world_mut().entity_mut(part).insert(MorphColliderOf { body: head });
+        app.insert(part, MorphColliderOf { body: head });
         on(head)
     });
     says(&body, &["`Head`", "is a body", "Set it to one of them"]);
-    let shape = warning(|app| on(app.world_mut().spawn((MorphShape::default(), Name::new("Head"))).id()));
+    let shape = warning(|app| on(app.spawn((MorphShape::default(), Name::new("Head")))));
     says(&shape, &["`Head`", "`MorphShape`"]);
 }
 
@@ -49,7 +49,7 @@ fn an_anchor_on_a_triangle_that_does_not_exist_is_told() {
         warning(|app| {
             let mesh = add_mesh(app, &cube());
             let head = spawn(app, &mesh, 0.0);
-            app.world_mut().entity_mut(head).insert(Name::new("Head"));
+            app.insert(head, Name::new("Head"));
             let mut anchor = on(head);
             change(&mut anchor);
             anchor
@@ -67,6 +67,6 @@ fn an_anchor_that_follows_something_is_not_told() {
     is_fine(|app| {
         let mesh = add_mesh(app, &cube());
         let head = spawn(app, &mesh, 0.0);
-        app.world_mut().spawn(on(head));
+        app.spawn(on(head));
     });
 }

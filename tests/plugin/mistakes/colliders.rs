@@ -8,7 +8,7 @@ use bevy::world_serialization::WorldAsset;
 use bevy_morph_collision::prelude::*;
 
 use super::{PATIENCE, files, is_fine, load, only_warning, run, says, spawn_scene, warning_about, with_app};
-use crate::support::{add_mesh, cube, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, cube, spawn, stretching_cube};
 
 /// The warning about a component on the root of the scene of a file, logged before the file is loaded.
 fn on_root(more: impl Bundle) -> String {
@@ -77,8 +77,7 @@ fn equal_scenes_with_the_same_mistake_are_one_message() {
 fn messages_of_a_kind_come_to_an_end() {
     with_app(Path::new("."), |app, errors| {
         for i in 0..1000 {
-            app.world_mut()
-                .spawn((MorphCollider::default(), Name::new(format!("Bullet {i}"))));
+            app.spawn((MorphCollider::default(), Name::new(format!("Bullet {i}"))));
         }
         run(app, 2 * PATIENCE);
         let warnings = errors.take_warnings();
@@ -95,7 +94,7 @@ fn messages_of_a_kind_come_to_an_end() {
 fn a_collider_that_never_gets_a_mesh_is_told_after_some_time() {
     let named = |name: &'static str| (MorphCollider::default(), Name::new(name));
     let warning = warning_about(|app| {
-        app.world_mut().spawn(named("Sword"));
+        app.spawn(named("Sword"));
     });
     says(
         &warning,
@@ -107,8 +106,7 @@ fn a_collider_that_never_gets_a_mesh_is_told_after_some_time() {
     );
     let warning = warning_about(|app| {
         let mesh = add_mesh(app, &cube());
-        app.world_mut()
-            .spawn((named("Arm"), children![children![Mesh3d(mesh)]]));
+        app.spawn((named("Arm"), children![children![Mesh3d(mesh)]]));
     });
     says(
         &warning,
@@ -116,16 +114,16 @@ fn a_collider_that_never_gets_a_mesh_is_told_after_some_time() {
     );
     // It gets one in time.
     is_fine(|app| {
-        let late = app.world_mut().spawn(named("Late")).id();
+        let late = app.spawn(named("Late"));
         run(app, 250);
         let mesh = add_mesh(app, &cube());
-        app.world_mut().entity_mut(late).insert(Mesh3d(mesh));
+        app.insert(late, Mesh3d(mesh));
     });
     // It waits for a scene, which may bring it.
     is_fine(|app| {
         let reserved = app.world().resource::<Assets<WorldAsset>>().reserve_handle();
-        app.world_mut().spawn(WorldAssetRoot(reserved));
-        app.world_mut().spawn(named("Waiting"));
+        app.spawn(WorldAssetRoot(reserved));
+        app.spawn(named("Waiting"));
     });
 }
 
@@ -170,7 +168,7 @@ fn what_only_a_collider_uses_is_told_without_one() {
     );
     let warning = warning_about(|app| {
         let body = app.world_mut().spawn_empty().id();
-        app.world_mut().spawn((Name::new("Crate"), MorphColliderOf { body }));
+        app.spawn((Name::new("Crate"), MorphColliderOf { body }));
     });
     says(&warning, &["`MorphColliderOf`", "`Crate`", "has no `MorphCollider`"]);
     let warning = told(|crate_| {
@@ -224,8 +222,7 @@ fn what_a_shape_does_not_use_is_told() {
     );
     let warning = warning_about(|app| {
         let bullet = MorphCollider::default().with_continuous(true);
-        app.world_mut()
-            .spawn((MorphShape::default(), bullet, Name::new("Ball")));
+        app.spawn((MorphShape::default(), bullet, Name::new("Ball")));
     });
     says(&warning, &shape);
     says(&warning, &["`MorphCollider::continuous`", "cast_shape"]);
@@ -241,21 +238,23 @@ fn components_where_they_belong_are_not_told() {
         app.insert_resource(setting);
         let [rigid, morphs] = [cube(), stretching_cube()].map(|mesh| add_mesh(app, &mesh));
         let collider = spawn(app, &rigid, 0.0);
-        let body = app.world_mut().spawn(MorphCollidingEntities::default()).id();
-        app.world_mut().entity_mut(collider).insert((
-            MorphSelfCollisions::default(),
-            MorphTreeOptions { leaf_size: 3 },
-            MorphCollisionEventsEnabled,
-            MorphCollidingEntities::default(),
-            MorphColliderOf { body },
-            MorphTeleported,
-        ));
-        app.world_mut().spawn((MorphShape::default(), MorphColliderDisabled));
+        let body = app.spawn(MorphCollidingEntities::default());
+        app.insert(
+            collider,
+            (
+                MorphSelfCollisions::default(),
+                MorphTreeOptions { leaf_size: 3 },
+                MorphCollisionEventsEnabled,
+                MorphCollidingEntities::default(),
+                MorphColliderOf { body },
+                MorphTeleported,
+            ),
+        );
+        app.spawn((MorphShape::default(), MorphColliderDisabled));
         // These become colliders by the setting.
         let weights = || MeshMorphWeights::Value { weights: vec![0.0] };
-        app.world_mut()
-            .spawn((MorphBodyRoot, children![(Mesh3d(morphs.clone()), weights())]));
-        app.world_mut().spawn((
+        app.spawn((MorphBodyRoot, children![(Mesh3d(morphs.clone()), weights())]));
+        app.spawn((
             Mesh3d(morphs),
             weights(),
             MorphBodyRoot,
@@ -263,7 +262,7 @@ fn components_where_they_belong_are_not_told() {
         ));
         // A body is teleported, and an entity above one.
         app.update();
-        app.world_mut().entity_mut(body).insert(MorphTeleported);
+        app.insert(body, MorphTeleported);
         let above = app.world_mut().spawn(MorphTeleported).add_child(collider).id();
         app.update();
         assert!(!app.world().entity(above).contains::<MorphTeleported>());

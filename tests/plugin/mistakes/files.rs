@@ -11,7 +11,7 @@ use morph_collision_models::gltf::write::{Appearance, to_glb};
 use morph_collision_workspace::app::update_until;
 
 use super::{PATIENCE, files, load, only_warning, run, says, spawn_scene, warning_about, with_app};
-use crate::support::{add_mesh, assets, bevy_mesh, cube, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, assets, bevy_mesh, cube, settle, spawn, stretching_cube};
 
 #[derive(Clone, Debug, PartialEq)]
 enum Heard {
@@ -90,14 +90,11 @@ fn a_scene_above_a_file_that_cannot_be_loaded_fails_too() {
     with_app(&path, |app, errors| {
         listen(app);
         let above = |app: &mut App, scenes: &[&str]| {
-            let top = app
-                .world_mut()
-                .spawn((Transform::default(), MorphColliderScene::default()))
-                .id();
+            let top = app.spawn((Transform::default(), MorphColliderScene::default()));
             for file in scenes {
                 let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load((*file).to_owned());
                 // Only then below the scene.
-                let root = app.world_mut().spawn(WorldAssetRoot(scene)).id();
+                let root = app.spawn(WorldAssetRoot(scene));
                 app.world_mut().entity_mut(top).add_child(root);
             }
             top
@@ -121,7 +118,7 @@ fn a_scene_above_a_file_that_cannot_be_loaded_fails_too() {
         let top = above(app, &[]);
         run(app, 3);
         let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load("missing.glb#Scene0");
-        let root = app.world_mut().spawn(WorldAssetRoot(scene)).id();
+        let root = app.spawn(WorldAssetRoot(scene));
         run(app, 3);
         assert_eq!(heard(app), []);
         app.world_mut().entity_mut(top).add_child(root);
@@ -200,7 +197,7 @@ fn a_mesh_that_cannot_be_loaded_fails_with_the_reason() {
         let file = "late.glb#Mesh0/Primitive0";
         let mesh: Handle<Mesh> = app.world().resource::<AssetServer>().load(file);
         let first = spawn(app, &mesh, 0.0);
-        app.world_mut().entity_mut(first).insert(Name::new("Sword"));
+        app.insert(first, Name::new("Sword"));
         update_until(app, &path, |world| Ok(!world.resource::<Log>().0.is_empty())).unwrap();
         let [Heard::Failed(entity, reason)] = &heard(app)[..] else {
             panic!()
@@ -265,21 +262,20 @@ fn a_mesh_that_is_removed_or_never_added_is_told() {
     let warning = warning_about(|app| {
         let reserved = app.world().resource::<Assets<Mesh>>().reserve_handle();
         let sword = spawn(app, &reserved, 0.0);
-        app.world_mut().entity_mut(sword).insert(Name::new("Sword"));
+        app.insert(sword, Name::new("Sword"));
     });
     let missing = ["the mesh of entity `Sword`", "not in `Assets<Mesh>`", "left out"];
     says(&warning, &missing);
     says(
         &warning_about(|app| {
-            app.world_mut()
-                .spawn((Mesh3d::default(), MorphCollider::default(), Name::new("Sword")));
+            app.spawn((Mesh3d::default(), MorphCollider::default(), Name::new("Sword")));
         }),
         &missing,
     );
     with_app(Path::new("."), |app, errors| {
         let mesh = add_mesh(app, &cube());
         let sword = spawn(app, &mesh, 0.0);
-        app.world_mut().entity_mut(sword).insert(Name::new("Sword"));
+        app.insert(sword, Name::new("Sword"));
         run(app, PATIENCE);
         assert_eq!(errors.take_warnings(), [""; 0]);
         app.world_mut().resource_mut::<Assets<Mesh>>().remove(&mesh);
@@ -303,7 +299,7 @@ fn a_mesh_of_a_file_is_called_by_its_file() {
             .query_filtered::<(Entity, &Mesh3d), With<MorphCollider>>();
         let (part, mesh) = parts.single(app.world()).unwrap();
         let mesh = mesh.0.clone();
-        app.world_mut().entity_mut(part).remove::<Name>();
+        app.remove::<Name>(part);
         let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
         meshes.get_mut(&mesh).unwrap().insert_indices(Indices::U32(vec![0, 1]));
         settle(app);
@@ -316,7 +312,7 @@ fn a_mesh_of_a_file_is_called_by_its_file() {
         let bad = bevy_mesh(&cube()).with_removed_attribute(Mesh::ATTRIBUTE_POSITION);
         let bad = app.world_mut().resource_mut::<Assets<Mesh>>().add(bad);
         let sword = spawn(app, &bad, 0.0);
-        app.world_mut().entity_mut(sword).insert(Name::new("Sword"));
+        app.insert(sword, Name::new("Sword"));
         settle(app);
         let logged = errors.take();
         assert_eq!(logged.len(), 1, "{logged:?}");
@@ -355,8 +351,7 @@ fn joint_weights_that_do_not_sum_to_one_are_told_once_for_each_mesh() {
             ],
         );
         let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load(name);
-        app.world_mut()
-            .spawn((WorldAssetRoot(scene), MorphColliderScene::default()));
+        app.spawn((WorldAssetRoot(scene), MorphColliderScene::default()));
         settle(app);
         assert_eq!(errors.take_warnings(), [""; 0], "once");
     });

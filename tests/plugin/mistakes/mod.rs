@@ -16,7 +16,7 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, update_until};
 
 use crate::log::{Errors, start};
-use crate::support::{cube, stretching_cube};
+use crate::support::{Edits, cube, stretching_cube};
 
 /// Frames until everything that an entity may lack at first counts as missing.
 const PATIENCE: usize = 310;
@@ -92,7 +92,7 @@ fn files() -> (tempfile::TempDir, PathBuf) {
 fn spawn_scene(app: &mut App, file: &str, more: impl Bundle) -> Entity {
     let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load(file.to_owned());
     let name = Name::new("Boss");
-    app.world_mut().spawn((WorldAssetRoot(scene), name, more)).id()
+    app.spawn((WorldAssetRoot(scene), name, more))
 }
 
 /// Runs frames until a scene or its file is loaded or has failed.

@@ -5,15 +5,14 @@ use bevy::prelude::*;
 use bevy_morph_physics::prelude::*;
 
 use super::{says, warning_about};
-use crate::support::{add_mesh, cube};
+use crate::support::{Edits, add_mesh, cube};
 
 #[test]
 fn components_for_physics_without_an_engine_are_told_once() {
     let warning = warning_about(|app| {
         let mesh = add_mesh(app, &cube());
         for _ in 0..5 {
-            app.world_mut()
-                .spawn((Mesh3d(mesh.clone()), MorphPhysicsCollider::default()));
+            app.spawn((Mesh3d(mesh.clone()), MorphPhysicsCollider::default()));
         }
     });
     says(
@@ -22,11 +21,8 @@ fn components_for_physics_without_an_engine_are_told_once() {
     );
     let warning = warning_about(|app| {
         let mesh = add_mesh(app, &cube());
-        let scene = app
-            .world_mut()
-            .spawn((Name::new("Scene"), MorphPhysicsScene::default()))
-            .id();
-        app.world_mut().spawn((
+        let scene = app.spawn((Name::new("Scene"), MorphPhysicsScene::default()));
+        app.spawn((
             Mesh3d(mesh),
             MeshMorphWeights::Value { weights: Vec::new() },
             ChildOf(scene),

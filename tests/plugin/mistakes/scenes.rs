@@ -6,7 +6,7 @@ use bevy::world_serialization::WorldAsset;
 use bevy_morph_collision::prelude::*;
 
 use super::{PATIENCE, files, is_fine, load, only_warning, run, says, spawn_scene, warning_about, with_app};
-use crate::support::{add_mesh, cube, stretching_cube};
+use crate::support::{Edits, add_mesh, cube, stretching_cube};
 
 /// The warning about the scene of a file, logged as soon as the scene is spawned.
 fn warning_about_file(file: &str, scene: MorphColliderScene) -> String {
@@ -95,8 +95,7 @@ fn names_of_rigid_meshes_only_are_told() {
         let scene = named(&["Sword", "Arm"]);
         let sword = (Name::new("Sword"), children![Mesh3d(rigid)]);
         let arm = (Name::new("Arm"), children![(Mesh3d(morphs), weights)]);
-        app.world_mut()
-            .spawn((Name::new("Knight"), scene, children![sword, arm]));
+        app.spawn((Name::new("Knight"), scene, children![sword, arm]));
     });
     says(
         &warning,
@@ -110,40 +109,39 @@ fn names_of_rigid_meshes_only_are_told() {
     is_fine(|app| {
         let rigid = add_mesh(app, &cube());
         let sword = (Name::new("Sword"), Mesh3d(rigid), MorphCollider::default());
-        app.world_mut().spawn((named(&["Sword"]), children![sword]));
+        app.spawn((named(&["Sword"]), children![sword]));
     });
 }
 
 #[test]
 fn a_scene_without_meshes_is_told_after_some_time() {
     let warning = warning_about(|app| {
-        app.world_mut()
-            .spawn((Name::new("Spawner"), MorphColliderScene::default()));
+        app.spawn((Name::new("Spawner"), MorphColliderScene::default()));
     });
     says(&warning, &["`Spawner`", "no meshes at or below", "`WorldAssetRoot`"]);
     // A scene below it may bring them.
     is_fine(|app| {
         let reserved = app.world().resource::<Assets<WorldAsset>>().reserve_handle();
         let root = (MorphColliderScene::default(), children![WorldAssetRoot(reserved)]);
-        app.world_mut().spawn(root);
+        app.spawn(root);
     });
     is_fine(|app| {
-        let root = app.world_mut().spawn(MorphColliderScene::default()).id();
+        let root = app.spawn(MorphColliderScene::default());
         run(app, 250);
         let mesh = add_mesh(app, &stretching_cube());
         let weights = MeshMorphWeights::Value { weights: vec![0.0] };
-        app.world_mut().spawn((Mesh3d(mesh), weights, ChildOf(root)));
+        app.spawn((Mesh3d(mesh), weights, ChildOf(root)));
     });
 }
 
 #[test]
 fn many_names_are_cut_short() {
     let warning = warning_about(|app| {
-        let root = app.world_mut().spawn(with_rigid(named(&["Head"]))).id();
+        let root = app.spawn(with_rigid(named(&["Head"])));
         let mesh = add_mesh(app, &cube());
         for i in 0..50 {
             let bone = (Name::new(format!("Bone {i:02}")), Mesh3d(mesh.clone()), ChildOf(root));
-            app.world_mut().spawn(bone);
+            app.spawn(bone);
         }
     });
     says(&warning, &["`Head`", "`Bone 00`, `Bone 01`", "`Bone 19` and 30 more"]);

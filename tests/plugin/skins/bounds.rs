@@ -10,7 +10,7 @@ use morph_collision_workspace::app::headless;
 
 use super::{add, boned, limb, put, skeleton, spawn_joints};
 use crate::log::start;
-use crate::support::{assets, set_weight, settle, stretching_cube};
+use crate::support::{Edits, assets, set_weight, settle, stretching_cube};
 
 fn app() -> App {
     let mut app = headless(&assets());
@@ -25,10 +25,7 @@ fn spawn<const N: usize>(app: &mut App, mut mesh: Mesh, joints: [Vec3; N], place
     let mesh = add(app, mesh);
     let joints = spawn_joints(app, joints);
     let skin = skeleton(app, &joints);
-    let entity = app
-        .world_mut()
-        .spawn((Mesh3d(mesh), skin, place, DynamicSkinnedMeshBounds))
-        .id();
+    let entity = app.spawn((Mesh3d(mesh), skin, place, DynamicSkinnedMeshBounds));
     (entity, joints)
 }
 
@@ -81,7 +78,7 @@ fn boxes_of_characters_at_rest_are_not_written() {
     let mesh = app.world().get::<Mesh3d>(first).unwrap().clone();
     let others = spawn_joints(&mut app, [Vec3::Y, Vec3::X * 3.0]);
     let other = skeleton(&mut app, &others);
-    let second = app.world_mut().spawn((mesh, other)).id();
+    let second = app.spawn((mesh, other));
     settle(&mut app);
     app.update();
     let changed = |app: &App, entity: Entity| app.world().entity(entity).get_ref::<Aabb>().unwrap().last_changed();
@@ -129,10 +126,10 @@ fn bevy_keeps_the_box_again_where_the_plugin_no_longer_does() {
     app.update();
     let is_bevys = |app: &App| app.world().get::<DynamicSkinnedMeshBounds>(limb).is_some();
     assert!(!is_bevys(&app), "both would write it");
-    app.world_mut().entity_mut(limb).insert(NoFrustumCulling);
+    app.insert(limb, NoFrustumCulling);
     app.update();
     assert!(is_bevys(&app));
-    app.world_mut().entity_mut(limb).remove::<NoFrustumCulling>();
+    app.remove::<NoFrustumCulling>(limb);
     app.update();
     app.update();
     put(&mut app, joints[1], Transform::from_xyz(4.0, 0.0, 0.0));
@@ -146,7 +143,7 @@ fn bevy_keeps_the_box_again_where_the_plugin_no_longer_does() {
     app.update();
     assert!(is_bevys(&app));
     assert_is(&app, limb, (Vec3::new(-0.5, 5.5, -0.5), Vec3::new(0.5, 6.5, 0.5)));
-    app.world_mut().entity_mut(limb).insert(skin);
+    app.insert(limb, skin);
     settle(&mut app);
     app.update();
     assert_is(&app, limb, (Vec3::splat(-0.5), Vec3::new(4.5, 0.5, 0.5)));

@@ -10,7 +10,7 @@ use bevy_morph_collision::prelude::*;
 
 use super::{add, along_x, boned, extent, limb, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::log::Errors;
-use crate::support::{add_mesh, app, bevy_mesh, cube, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, app, bevy_mesh, cube, settle, spawn, stretching_cube};
 
 /// The extent of a limb in some format if its joints are at -2 and 4; `None` if it is refused.
 fn stretched(mesh: Mesh) -> Option<(f32, f32)> {
@@ -97,7 +97,7 @@ fn the_tree_for_a_skeleton_goes_with_the_last_skeleton() {
     };
     assert_eq!(joint_counts(&app), [None, Some(2)]);
     // Needs nothing new, because the other tree exists.
-    app.world_mut().entity_mut(limb).remove::<SkinnedMesh>();
+    app.remove::<SkinnedMesh>(limb);
     app.update();
     app.update();
     assert_eq!(joint_counts(&app), [None]);
@@ -109,7 +109,7 @@ fn more_than_256_joints_are_followed() {
     let mut app = app();
     let mesh = add(&mut app, boned(&cube(), |p| if p.x > 0.0 { 299 } else { 256 }));
     let joints: Vec<Entity> = (0..300)
-        .map(|joint| app.world_mut().spawn(Transform::from_xyz(joint as f32, 0.0, 0.0)).id())
+        .map(|joint| app.spawn(Transform::from_xyz(joint as f32, 0.0, 0.0)))
         .collect();
     let skin = skeleton(&mut app, &joints);
     let cube = spawn_skinned(&mut app, &mesh, skin);
@@ -136,7 +136,7 @@ fn refusal(mesh: Mesh) -> (Vec<String>, Option<ImportError>) {
         let joints = spawn_joints(&mut app, [Vec3::ZERO; 2]);
         let skin = skeleton(&mut app, &joints);
         let limb = spawn_skinned(&mut app, &mesh, skin);
-        app.world_mut().entity_mut(limb).insert(Name::new("limb"));
+        app.insert(limb, Name::new("limb"));
         settle(&mut app);
         assert_eq!(extent(&mut app, limb), None);
         said = (
@@ -194,8 +194,8 @@ fn scenes_and_the_setting_for_all_meshes_take_skinned_ones() {
     let mut app = app();
     let (limb, _) = spawn_limb(&mut app, 1.0);
     let rigid = add_mesh(&mut app, &stretching_cube());
-    let root = app.world_mut().spawn(MorphColliderScene::default()).id();
-    let rigid = app.world_mut().spawn((Mesh3d(rigid), ChildOf(root))).id();
+    let root = app.spawn(MorphColliderScene::default());
+    let rigid = app.spawn((Mesh3d(rigid), ChildOf(root)));
     app.world_mut()
         .entity_mut(limb)
         .remove::<MorphCollider>()
@@ -204,16 +204,14 @@ fn scenes_and_the_setting_for_all_meshes_take_skinned_ones() {
     let is_collider = |app: &App, entity: Entity| app.world().get::<MorphCollider>(entity).is_some();
     assert!(is_collider(&app, limb) && !is_collider(&app, rigid));
     let skin = app.world().get::<SkinnedMesh>(limb).unwrap().clone();
-    app.world_mut().entity_mut(limb).remove::<SkinnedMesh>();
+    app.remove::<SkinnedMesh>(limb);
     app.update();
     assert!(!is_collider(&app, limb), "it is rigid now");
     app.world_mut().despawn(root);
 
     let (limb, _) = spawn_limb(&mut app, 1.0);
     app.world_mut().entity_mut(limb).remove::<MorphCollider>().insert(skin);
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .every_deforming_mesh = Some(MorphCollider::default());
+    app.settings().every_deforming_mesh = Some(MorphCollider::default());
     app.update();
     assert!(is_collider(&app, limb));
 }

@@ -7,7 +7,7 @@ use bevy_morph_collision::import::MorphTrees;
 use super::{add, along_x, boned, extent, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::log::Errors;
 use crate::support::{
-    Messages, add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches,
+    Edits, Messages, add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches,
 };
 
 #[test]
@@ -70,20 +70,20 @@ fn a_skeleton_comes_changes_and_goes() {
     // Other joints, the same number of them, from the next frame on.
     let others = spawn_joints(&mut app, [Vec3::X * 3.0, Vec3::X * 5.0]);
     let other = skeleton(&mut app, &others);
-    app.world_mut().entity_mut(limb).insert(other);
+    app.insert(limb, other);
     app.update();
     assert_eq!(along_x(&mut app, limb), Some((2.5, 5.5)));
 
     // A different number, once there is a tree for it.
     let three = spawn_joints(&mut app, [Vec3::X * 7.0, Vec3::X * 8.0, Vec3::ZERO]);
     let three = skeleton(&mut app, &three);
-    app.world_mut().entity_mut(limb).insert(three);
+    app.insert(limb, three);
     settle(&mut app);
     assert_eq!(along_x(&mut app, limb), Some((6.5, 8.5)));
     let trees = |app: &App| app.world().resource::<MorphTrees>().iter().count();
     assert_eq!(trees(&app), 1, "nothing uses the other one");
 
-    app.world_mut().entity_mut(limb).remove::<SkinnedMesh>();
+    app.remove::<SkinnedMesh>(limb);
     settle(&mut app);
     let (min, max) = extent(&mut app, limb).unwrap();
     assert_eq!(
@@ -93,7 +93,7 @@ fn a_skeleton_comes_changes_and_goes() {
     );
     assert_eq!(trees(&app), 1);
 
-    app.world_mut().entity_mut(limb).insert(skin);
+    app.insert(limb, skin);
     settle(&mut app);
     assert_eq!(along_x(&mut app, limb), Some((-0.5, 1.5)));
 }
@@ -135,7 +135,7 @@ fn without_inverse_bind_poses_vertices_stay_where_they_are() {
     let poses = [1.0, 10.0].map(|x| Mat4::from_translation(Vec3::X * x));
     let mut assets = app.world_mut().resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
     skin.inverse_bindposes = assets.add(SkinnedMeshInverseBindposes::from(poses.to_vec()));
-    app.world_mut().entity_mut(none).insert(skin);
+    app.insert(none, skin);
     app.update();
     assert_eq!(along_x(&mut app, none), Some((-1.5, 13.5)));
 }
@@ -150,7 +150,7 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
             app.world().get::<SkinnedMesh>(limb).unwrap().clone(),
         );
         spawn_skinned(&mut app, &mesh, skin.clone());
-        app.world_mut().entity_mut(joints[1]).insert(Name::new("elbow"));
+        app.insert(joints[1], Name::new("elbow"));
         settle(&mut app);
         for bad in [
             Transform::from_xyz(f32::NAN, 0.0, 0.0),
@@ -191,7 +191,7 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
         // A skeleton that is invalid from the beginning: the pose of the previous one stays.
         let bad = spawn_joints(&mut app, [Vec3::INFINITY; 2]);
         let bad = skeleton(&mut app, &bad);
-        app.world_mut().entity_mut(new).insert(bad);
+        app.insert(new, bad);
         app.update();
         assert_eq!(along_x(&mut app, new), Some((-0.5, 2.5)));
         assert_eq!(log.take().len(), 1);
@@ -202,9 +202,9 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
 fn joints_are_read_after_parents_have_moved_them() {
     for mut app in [app(), fixed_app(1, 1)] {
         let (limb, joints) = spawn_limb(&mut app, 0.0);
-        let parent = app.world_mut().spawn(Transform::default()).id();
-        app.world_mut().entity_mut(joints[0]).insert(ChildOf(parent));
-        app.world_mut().entity_mut(joints[1]).insert(ChildOf(joints[0]));
+        let parent = app.spawn(Transform::default());
+        app.insert(joints[0], ChildOf(parent));
+        app.insert(joints[1], ChildOf(joints[0]));
         settle(&mut app);
         for x in [1.0, -7.0] {
             move_to(&mut app, parent, x);
@@ -212,8 +212,8 @@ fn joints_are_read_after_parents_have_moved_them() {
             assert_eq!(along_x(&mut app, limb), Some((x - 0.5, x + 0.5)));
         }
         // Another parent for both.
-        let other = app.world_mut().spawn(Transform::from_xyz(0.0, 3.0, 0.0)).id();
-        app.world_mut().entity_mut(joints[0]).insert(ChildOf(other));
+        let other = app.spawn(Transform::from_xyz(0.0, 3.0, 0.0));
+        app.insert(joints[0], ChildOf(other));
         app.update();
         assert_eq!(along_x(&mut app, limb), Some((-0.5, 0.5)));
         app.world_mut().despawn(other);

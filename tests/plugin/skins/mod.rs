@@ -27,7 +27,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 
-use crate::support::{bevy_mesh, cube};
+use crate::support::{Edits, bevy_mesh, cube};
 
 /// A mesh each of whose vertices follows one joint.
 pub(crate) fn boned(mesh: &MorphMesh, joint_of: impl Fn(Vec3) -> u16) -> Mesh {
@@ -50,7 +50,7 @@ pub(crate) fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
 
 /// Joints at some places.
 pub(crate) fn spawn_joints<const N: usize>(app: &mut App, places: [Vec3; N]) -> [Entity; N] {
-    places.map(|place| app.world_mut().spawn(Transform::from_translation(place)).id())
+    places.map(|place| app.spawn(Transform::from_translation(place)))
 }
 
 /// A skeleton of joints that were all at the origin in the bind pose.
@@ -66,9 +66,7 @@ pub(crate) fn skeleton(app: &mut App, joints: &[Entity]) -> SkinnedMesh {
 /// A collider far away, with a skeleton.
 pub(crate) fn spawn_skinned(app: &mut App, mesh: &Handle<Mesh>, skin: SkinnedMesh) -> Entity {
     let far = Transform::from_xyz(100.0, 200.0, 300.0);
-    app.world_mut()
-        .spawn((Mesh3d(mesh.clone()), skin, MorphCollider::default(), far))
-        .id()
+    app.spawn((Mesh3d(mesh.clone()), skin, MorphCollider::default(), far))
 }
 
 /// A limb with joints at the origin and at `stretch` along x.
@@ -80,7 +78,7 @@ fn spawn_limb(app: &mut App, stretch: f32) -> (Entity, [Entity; 2]) {
 }
 
 pub(crate) fn put(app: &mut App, entity: Entity, place: Transform) {
-    app.world_mut().entity_mut(entity).insert(place);
+    app.insert(entity, place);
 }
 
 /// The box around a collider's vertices as spatial queries see them; `None` if it takes no part.

@@ -12,7 +12,7 @@ use morph_collision_workspace::app::headless;
 
 use super::{add, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::log::start;
-use crate::support::{add_mesh, app, assets, cube, settle, spawn};
+use crate::support::{Edits, add_mesh, app, assets, cube, settle, spawn};
 
 fn cast(app: &mut App, origin: Vec3, direction: Dir3) -> Option<MorphRayHit> {
     let system = move |spatial: MorphSpatialQuery| {
@@ -58,9 +58,7 @@ fn other_meshes_have_no_joint() {
     spawn(&mut app, &boned, 5.0);
     let (loose, joints) = spawn_limb(&mut app, 0.0);
     let skin = skeleton(&mut app, &joints);
-    app.world_mut()
-        .entity_mut(loose)
-        .insert((Mesh3d(rigid), skin, Transform::from_xyz(10.0, 0.0, 0.0)));
+    app.insert(loose, (Mesh3d(rigid), skin, Transform::from_xyz(10.0, 0.0, 0.0)));
     settle(&mut app);
     for x in [0.1, 5.1, 10.1] {
         let hit = cast(&mut app, Vec3::new(x, 8.0, 0.2), Dir3::NEG_Y).unwrap();
@@ -76,7 +74,7 @@ fn a_pointer_picks_the_skinned_surface_and_names_the_joint() {
         .add_plugins(MorphPickingPlugin);
     start(&mut app);
     let (limb, joints) = spawn_limb(&mut app, 9.0);
-    let camera = app.world_mut().spawn(Camera::default()).id();
+    let camera = app.spawn(Camera::default());
     settle(&mut app);
     let mut cursor = MessageCursor::<PointerHits>::default();
     let mut pick = |app: &mut App, x: f32, y: f32| {
@@ -116,10 +114,7 @@ fn anchors_go_with_the_joints_in_the_same_frame() {
     settle(&mut app);
     let hit = cast(&mut app, Vec3::new(8.0, 0.1, 0.2), Dir3::NEG_X).unwrap();
     assert_eq!(hit.joint, Some(joints[1]));
-    let hat = app
-        .world_mut()
-        .spawn(MorphSurfaceAnchor::at(&hit).with_offset(0.25))
-        .id();
+    let hat = app.spawn(MorphSurfaceAnchor::at(&hit).with_offset(0.25));
     let place = |app: &App, entity: Entity| app.world().get::<GlobalTransform>(entity).unwrap().translation();
     for x in [1.0, 4.0, -2.0] {
         put(&mut app, joints[1], Transform::from_xyz(x, 3.0, 0.0));
@@ -151,23 +146,20 @@ fn an_anchor_on_a_limb_whose_joints_hang_on_another_anchor() {
     assert_eq!(hit.entity, arm);
     let mut anchor = MorphSurfaceAnchor::at(&hit);
     anchor.align = false;
-    let grip = app.world_mut().spawn(anchor).id();
+    let grip = app.spawn(anchor);
     // The held mesh has its own joints below the grip.
     let mesh = add(&mut app, limb());
     let held = spawn_joints(&mut app, [Vec3::X, Vec3::X * 2.0]);
     for joint in held {
-        app.world_mut().entity_mut(joint).insert(ChildOf(grip));
+        app.insert(joint, ChildOf(grip));
     }
     let skin = skeleton(&mut app, &held);
     let stick = spawn_skinned(&mut app, &mesh, skin);
-    app.world_mut().entity_mut(stick).insert(ChildOf(grip));
+    app.insert(stick, ChildOf(grip));
     settle(&mut app);
     let tip = cast(&mut app, Vec3::new(20.0, 0.1, 0.2), Dir3::NEG_X).unwrap();
     assert_eq!(tip.entity, stick);
-    let flag = app
-        .world_mut()
-        .spawn((MorphSurfaceAnchor::at(&tip), ChildOf(stick)))
-        .id();
+    let flag = app.spawn((MorphSurfaceAnchor::at(&tip), ChildOf(stick)));
     app.update();
     let place = |app: &App, entity: Entity| app.world().get::<GlobalTransform>(entity).unwrap().translation();
     let before = place(&app, flag);

@@ -17,7 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::{add, boned, extent, skeleton, spawn_skinned};
-use crate::support::{Messages, app, cube, set_weight, stretching_cube};
+use crate::support::{Edits, Messages, app, cube, set_weight, stretching_cube};
 
 /// The minimum number of meshes.
 const LIMBS: usize = 5;
@@ -83,7 +83,7 @@ impl Life {
 
     fn spawn_joint(&mut self) {
         let place = self.place();
-        self.joints.push(self.app.world_mut().spawn(place).id());
+        self.joints.push(self.app.spawn(place));
     }
 
     /// Usually two joints, sometimes another number; some no longer exist.

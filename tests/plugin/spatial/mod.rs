@@ -11,7 +11,7 @@ mod order;
 mod shapes;
 mod systems;
 
-use crate::support::{add_mesh, app, bevy_mesh, cube, set_weight, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, app, bevy_mesh, cube, set_weight, settle, spawn, stretching_cube};
 
 /// Runs a system once that makes queries.
 fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&MorphSpatialQuery) -> T + Send + Sync + 'static) -> T {
@@ -91,10 +91,8 @@ fn all_hits_of_a_ray_come_nearest_first() {
 #[test]
 fn layers_and_disabled_colliders_are_heeded() {
     let (mut app, [a, b, c]) = three();
-    app.world_mut()
-        .entity_mut(c)
-        .insert(MorphCollisionLayers::new(0b100, u32::MAX));
-    app.world_mut().entity_mut(b).insert(MorphColliderDisabled);
+    app.insert(c, MorphCollisionLayers::new(0b100, u32::MAX));
+    app.insert(b, MorphColliderDisabled);
     app.update();
     let first = |app: &mut App, filter: MorphQueryFilter| {
         let hit = ask(app, move |s| {
@@ -106,7 +104,7 @@ fn layers_and_disabled_colliders_are_heeded() {
     assert_eq!(first(&mut app, MorphQueryFilter::from_mask(0b011)), Some(a));
     assert_eq!(first(&mut app, MorphQueryFilter::from_mask(0)), None);
     // Colliders that collide with nothing can still be queried.
-    app.world_mut().entity_mut(c).insert(MorphCollisionLayers::NONE);
+    app.insert(c, MorphCollisionLayers::NONE);
     app.update();
     assert_eq!(first(&mut app, any()), Some(c));
 }
@@ -157,7 +155,7 @@ fn overlaps_are_those_of_the_surface() {
     // Shapes are tested by their boxes: one behind the camera, one outside its view, one in view.
     let mut ball = |at: Vec3| {
         let shape = (MorphCollider::default(), MorphShape::Ball { radius: 0.2 });
-        app.world_mut().spawn((shape, Transform::from_translation(at))).id()
+        app.spawn((shape, Transform::from_translation(at)))
     };
     let [_, _, seen] = [Vec3::X, Vec3::new(3.0, 0.0, 4.0), Vec3::new(3.5, 0.0, 0.0)].map(&mut ball);
     app.update();
@@ -208,7 +206,7 @@ fn posed_vertices_and_bounds_are_those_of_the_pose() {
     let (mut app, [a, ..]) = three();
     set_weight(&mut app, a, -0.5);
     let turned = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_y(0.5));
-    app.world_mut().entity_mut(a).insert(turned);
+    app.insert(a, turned);
     app.update();
     let posed = ask(&mut app, move |s| s.posed_vertices(a)).unwrap();
     let expected = stretching_cube().posed(&[-0.5]);
@@ -244,7 +242,7 @@ fn hits_have_the_texture_coordinates_of_the_mesh() {
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
     let square = spawn(&mut app, &mesh, 0.0);
     let weights = MeshMorphWeights::Value { weights: vec![0.5] };
-    app.world_mut().entity_mut(square).insert(weights);
+    app.insert(square, weights);
     settle(&mut app);
     let hit = ask(&mut app, |s| {
         s.cast_ray(Vec3::new(0.25, 0.75, 2.0), Dir3::NEG_Z, 9.0, &any())
@@ -314,7 +312,7 @@ fn rays_at_a_crowd_find_what_brute_force_finds() {
         let weight = (i as f32 * 1.3).sin() * 2.0;
         let entity = spawn(&mut app, &mesh, 0.0);
         let weights = MeshMorphWeights::Value { weights: vec![weight] };
-        app.world_mut().entity_mut(entity).insert((place, weights));
+        app.insert(entity, (place, weights));
         placed.push((entity, place, weight));
     }
     settle(&mut app);

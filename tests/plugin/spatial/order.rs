@@ -10,7 +10,7 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle;
 
 use super::{any, ask};
-use crate::support::{add_mesh, app, cube, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, app, cube, settle, spawn, stretching_cube};
 
 /// Places at which surfaces coincide, or nearly do: twice the same one, mirrored, half a turn, larger by one rounding, collapsed to
 /// a sheet, a line and a point.
@@ -42,7 +42,7 @@ fn nested(mesh: &MorphMesh) -> (App, Vec<Placed>) {
     for place in places() {
         let entity = spawn(&mut app, &handle, 0.0);
         let weights = MeshMorphWeights::Value { weights: vec![WEIGHT] };
-        app.world_mut().entity_mut(entity).insert((place, weights));
+        app.insert(entity, (place, weights));
         let posed = oracle::posed_vertices(&mesh.positions, &mesh.targets, &[WEIGHT]);
         let world = oracle::world_vertices(&posed, &place.compute_affine());
         let corners = |triangle: &[u32; 3]| triangle.map(|corner| world[corner as usize]);
@@ -54,8 +54,7 @@ fn nested(mesh: &MorphMesh) -> (App, Vec<Placed>) {
         },
         MorphShape::Ball { radius: 1.0 },
     ] {
-        app.world_mut()
-            .spawn((shape, MorphCollider::default(), Transform::IDENTITY));
+        app.spawn((shape, MorphCollider::default(), Transform::IDENTITY));
     }
     settle(&mut app);
     (app, placed)
@@ -171,7 +170,7 @@ fn of_two_surfaces_closer_together_than_a_rounding_the_nearer_one_is_first() {
     // The farther one would win if both were at the same distance.
     let (inner, outer) = (cubes[0].min(cubes[1]), cubes[0].max(cubes[1]));
     let larger = Transform::from_scale(Vec3::splat(1.0 + f32::EPSILON));
-    app.world_mut().entity_mut(outer).insert(larger);
+    app.insert(outer, larger);
     settle(&mut app);
     let (from, along) = (Vec3::new(10.0, 0.1, 0.2), Dir3::NEG_X);
     let hits = ask(&mut app, move |s| s.ray_hits(from, along, f32::INFINITY, &any()));

@@ -6,7 +6,7 @@ use bevy::shape::Aabb3d;
 use bevy_morph_collision::prelude::*;
 
 use super::{any, ask, three};
-use crate::support::{add_mesh, app, settle, spawn, stretching_cube};
+use crate::support::{Edits, add_mesh, app, settle, spawn, stretching_cube};
 
 /// A stretching cube and shapes of every kind, at scattered places.
 pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphShape>)>) {
@@ -31,10 +31,10 @@ pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphSha
         let place = Transform::from_translation(at).with_rotation(turn);
         let shape = kinds[i as usize % kinds.len()];
         let entity = match shape {
-            Some(shape) => app.world_mut().spawn((shape, place)).id(),
+            Some(shape) => app.spawn((shape, place)),
             None => {
                 let entity = spawn(&mut app, &mesh, 0.0);
-                app.world_mut().entity_mut(entity).insert(place);
+                app.insert(entity, place);
                 entity
             }
         };
@@ -182,14 +182,8 @@ fn shapes_are_found_like_meshes() {
 #[test]
 fn pairs_with_shapes_have_closest_points_and_contacts() {
     let (mut app, [a, ..]) = three();
-    let ball = app
-        .world_mut()
-        .spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(0.0, 2.0, 0.0)))
-        .id();
-    let other = app
-        .world_mut()
-        .spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(0.0, 4.0, 0.0)))
-        .id();
+    let ball = app.spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(0.0, 2.0, 0.0)));
+    let other = app.spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(0.0, 4.0, 0.0)));
     settle(&mut app);
     for (first, second, sign) in [(a, ball, 1.0), (ball, a, -1.0), (ball, other, 1.0), (other, ball, -1.0)] {
         let closest = ask(&mut app, move |s| s.closest_points(first, second, 9.0)).unwrap();
@@ -198,9 +192,7 @@ fn pairs_with_shapes_have_closest_points_and_contacts() {
         assert_eq!(ask(&mut app, move |s| s.closest_points(first, second, 0.9)), None);
         assert_eq!(ask(&mut app, move |s| s.contacts(first, second)), None);
     }
-    app.world_mut()
-        .entity_mut(ball)
-        .insert(Transform::from_xyz(0.0, 0.9, 0.0));
+    app.insert(ball, Transform::from_xyz(0.0, 0.9, 0.0));
     app.update();
     for (first, second, sign) in [(a, ball, -1.0), (ball, a, 1.0)] {
         let contacts = ask(&mut app, move |s| s.contacts(first, second)).unwrap();
@@ -274,19 +266,19 @@ fn questions_follow_colliders_that_move_come_and_go() {
     // A collider's tolerance does not matter to queries.
     for (entity, ..) in all.iter().step_by(2) {
         let tolerant = MorphCollider::default().with_tolerance(5.0);
-        app.world_mut().entity_mut(*entity).insert(tolerant);
+        app.insert(*entity, tolerant);
     }
     for frame in 0..30_u32 {
         for (i, (entity, place, _)) in all.iter_mut().enumerate() {
             place.translation += Vec3::new((i as f32).sin(), (i as f32).cos(), 0.3) * 0.4;
-            app.world_mut().entity_mut(*entity).insert(*place);
+            app.insert(*entity, *place);
         }
         if frame % 4 == 3 {
             let (gone, ..) = all.swap_remove(frame as usize % all.len());
             app.world_mut().despawn(gone);
             let place = Transform::from_xyz(frame as f32, 0.0, 0.0);
             let shape = MorphShape::Ball { radius: 0.6 };
-            let new = app.world_mut().spawn((shape, place)).id();
+            let new = app.spawn((shape, place));
             all.push((new, place, Some(shape)));
         }
         app.update();

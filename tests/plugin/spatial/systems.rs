@@ -8,6 +8,7 @@ use bevy_morph_collision::prelude::*;
 
 use super::{any, ask, three};
 use crate::log::Errors;
+use crate::support::Edits;
 
 #[test]
 fn what_cannot_be_asked_finds_nothing_and_warns_once() {
@@ -139,23 +140,21 @@ fn what_was_disabled_is_not_there_before_the_next_run() {
         (hit.map(|hit| hit.entity), known)
     };
     assert_eq!(ask(&mut app, ask_all), (Some(a), true));
-    app.world_mut().entity_mut(a).insert(Disabled);
+    app.insert(a, Disabled);
     app.update();
-    app.world_mut()
-        .entity_mut(a)
-        .insert(Transform::from_xyz(0.0, 50.0, 0.0));
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
-    app.world_mut().entity_mut(a).remove::<Disabled>();
+    app.insert(a, Transform::from_xyz(0.0, 50.0, 0.0));
+    app.settings().paused = true;
+    app.remove::<Disabled>(a);
     app.update();
     // Its earlier place no longer matters.
     assert_eq!(ask(&mut app, ask_all), (Some(b), false));
-    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    app.settings().paused = false;
     app.update();
     assert_eq!(ask(&mut app, ask_all), (Some(b), true));
     assert!(ask(&mut app, move |s| s.bounds(a)).unwrap().min.y > 40.0);
     // A collider that is disabled for less than a run counts as present all the time.
-    app.world_mut().entity_mut(b).insert(Disabled);
+    app.insert(b, Disabled);
     assert!(!ask(&mut app, ask_all).1);
-    app.world_mut().entity_mut(b).remove::<Disabled>();
+    app.remove::<Disabled>(b);
     assert_eq!(ask(&mut app, ask_all), (Some(b), true));
 }

@@ -6,7 +6,7 @@ use bevy_morph_collision::prelude::*;
 
 use super::collider;
 use super::motion::two;
-use crate::support::{diagnostics, move_to, touches};
+use crate::support::{Edits, diagnostics, move_to, touches};
 
 type Change = fn(&mut EntityWorldMut<'_>);
 
@@ -82,18 +82,16 @@ fn other_changes_count_at_once() {
     let (mut app, [a, b]) = two(0.1, 0.9);
     move_to(&mut app, b, 0.95);
     app.update();
-    app.world_mut()
-        .resource_mut::<MorphCollisionSettings>()
-        .max_triangle_pairs = 2;
+    app.settings().max_triangle_pairs = 2;
     app.update();
     let listed = |app: &App| {
-        let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+        let contact = app.contact(a, b).unwrap();
         (contact.triangles.len(), contact.mode)
     };
     assert_eq!(listed(&app), (2, MorphCollisionMode::All));
     for entity in [a, b] {
         let first = MorphCollider::new(MorphCollisionMode::First).with_tolerance(0.1);
-        app.world_mut().entity_mut(entity).insert(first);
+        app.insert(entity, first);
     }
     app.update();
     assert_eq!(listed(&app), (1, MorphCollisionMode::First));
@@ -102,7 +100,7 @@ fn other_changes_count_at_once() {
 #[test]
 fn paused_and_running_again_it_is_where_it_was_seen_or_where_it_is() {
     let (mut app, [a, b]) = two(0.1, 0.9);
-    let pause = |app: &mut App, paused| app.world_mut().resource_mut::<MorphCollisionSettings>().paused = paused;
+    let pause = |app: &mut App, paused| app.settings().paused = paused;
     pause(&mut app, true);
     move_to(&mut app, b, 1.2);
     app.update();
@@ -122,10 +120,10 @@ fn paused_and_running_again_it_is_where_it_was_seen_or_where_it_is() {
 #[test]
 fn an_entity_that_was_disabled_is_compared_again() {
     let (mut app, [a, b]) = two(0.1, 0.9);
-    app.world_mut().entity_mut(b).insert(Disabled);
+    app.insert(b, Disabled);
     app.update();
     assert!(!touches(&app, a, b));
-    app.world_mut().entity_mut(b).remove::<Disabled>();
+    app.remove::<Disabled>(b);
     move_to(&mut app, b, 0.95);
     app.update();
     assert!(touches(&app, a, b) && diagnostics(&app).held_colliders == 0);
@@ -150,14 +148,14 @@ fn a_bad_tolerance_is_logged_and_leaves_the_collider_out() {
     for bad in [f32::NAN, -0.5, f32::INFINITY] {
         crate::log::Errors::collect(|errors| {
             let (mut app, [a, b]) = two(0.1, 0.8);
-            app.world_mut().entity_mut(a).insert(collider(bad));
+            app.insert(a, collider(bad));
             app.update();
             app.update();
             let logged = errors.take();
             let message = format!("tolerance is {bad}");
             assert!(logged.len() == 1 && logged[0].contains(&message), "{logged:?}");
             assert!(!touches(&app, a, b));
-            app.world_mut().entity_mut(a).insert(collider(0.1));
+            app.insert(a, collider(0.1));
             app.update();
             assert!(touches(&app, a, b));
         });

@@ -5,7 +5,7 @@ use bevy_morph_collision::prelude::*;
 
 use super::collider;
 use crate::support::{
-    Messages, add_mesh, app, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches,
+    Edits, Messages, add_mesh, app, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches,
 };
 
 /// Two cubes with this tolerance, which may or may not touch.
@@ -14,7 +14,7 @@ pub(super) fn two(tolerance: f32, x: f32) -> (App, [Entity; 2]) {
     let mesh = add_mesh(&mut app, &cube());
     let cubes = [spawn(&mut app, &mesh, 0.0), spawn(&mut app, &mesh, x)];
     for entity in cubes {
-        app.world_mut().entity_mut(entity).insert(collider(tolerance));
+        app.insert(entity, collider(tolerance));
     }
     settle(&mut app);
     (app, cubes)
@@ -87,7 +87,7 @@ fn morph_weights_are_measured() {
     let [still, stretching] = [cube(), stretching_cube()].map(|mesh| add_mesh(&mut app, &mesh));
     let wall = spawn(&mut app, &still, 1.5);
     let stretching = spawn(&mut app, &stretching, 0.0);
-    app.world_mut().entity_mut(stretching).insert(collider(0.1));
+    app.insert(stretching, collider(0.1));
     set_weight(&mut app, stretching, 0.45);
     settle(&mut app);
     assert!(!touches(&app, wall, stretching));
@@ -123,7 +123,7 @@ fn shapes_are_measured() {
         };
         let at = |x: f32| if edge > 0.0 { -x + edge } else { x };
         let place = Transform::from_xyz(at(1.03), 0.0, 0.0);
-        let other = app.world_mut().spawn((shape, place, collider(0.1))).id();
+        let other = app.spawn((shape, place, collider(0.1)));
         settle(&mut app);
         assert!(!touches(&app, wall, other), "{shape:?}");
         for (x, is_touching, is_behind) in [(0.95, false, 1), (0.9, true, 0), (0.99, true, 1), (1.03, false, 0)] {

@@ -22,6 +22,7 @@ use rand_pcg::Pcg64Mcg;
 
 use self::answers::check_box;
 use crate::models::{NamedClip, play, shared, with_models};
+use crate::support::Edits;
 
 /// The environment variable that enables the comparison of every frame.
 const EVERY_FRAME: &str = "MORPH_COLLISION_EVERY_FRAME";
@@ -125,7 +126,7 @@ impl Stage {
         for (name, clip) in &self.clips.clone() {
             // In Bevy, joints that a clip does not move stay where the previous clip left them.
             for &(entity, place) in &rest {
-                self.app.world_mut().entity_mut(entity).insert(place);
+                self.app.insert(entity, place);
             }
             let length = play(&mut self.app, clip, &self.roots, |index, length| {
                 0.37 * length * index as f32

@@ -5,7 +5,7 @@ use std::error::Error;
 use morph_collision_testkit::bench::Experiment;
 use morph_collision_testkit::report::Store;
 
-use super::{Measure, Topic, no_losses};
+use super::Topic;
 use crate::report::candidates;
 use crate::report::comparison::every_method;
 use crate::report::context::Context;
@@ -16,12 +16,7 @@ use crate::report::record::Record;
 
 const NAME: &str = "leaves";
 
-pub(super) const TOPIC: Topic = Topic {
-    name: NAME,
-    measure: Measure::OneCore(measure),
-    page,
-    losses: no_losses,
-};
+pub(super) const TOPIC: Topic = Topic::on_one_core(NAME, measure, page);
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
     let experiments = Experiment::tuning(context.every).into_iter().map(Source::from);

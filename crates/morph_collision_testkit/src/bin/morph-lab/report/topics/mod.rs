@@ -51,6 +51,18 @@ pub(crate) struct Topic {
     pub(crate) losses: FromRows<Vec<Loss>>,
 }
 
+impl Topic {
+    /// A topic that compares no methods.
+    const fn on_one_core(name: &'static str, measure: Measurement, page: FromRows<Page>) -> Self {
+        Self {
+            name,
+            measure: Measure::OneCore(measure),
+            page,
+            losses: no_losses,
+        }
+    }
+}
+
 /// All topics, in the order in which they are measured.
 pub(crate) const TOPICS: [Topic; 13] = [
     of_every_method::<methods::GeneratedMeshes>(),

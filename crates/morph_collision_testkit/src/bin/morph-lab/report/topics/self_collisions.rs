@@ -15,18 +15,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
-use super::{Measure, Topic, no_losses};
+use super::Topic;
 use crate::report::context::Context;
 use crate::report::page::Page;
 
 const NAME: &str = "self_collisions";
 
-pub(super) const TOPIC: Topic = Topic {
-    name: NAME,
-    measure: Measure::OneCore(measure),
-    page,
-    losses: no_losses,
-};
+pub(super) const TOPIC: Topic = Topic::on_one_core(NAME, measure, page);
 
 /// The files, and what is said of them.
 const FACES: [(&str, &str); 3] = [

@@ -9,7 +9,7 @@ use std::error::Error;
 use morph_collision_testkit::motion::records::find_records;
 use morph_collision_testkit::report::Store;
 
-use super::{Measure, Topic, no_losses};
+use super::Topic;
 use crate::report::context::Context;
 use crate::report::counts::{self, Count};
 use crate::report::page::Page;
@@ -20,12 +20,7 @@ const NAME: &str = "motion";
 const QUERIES: &str = "motion_queries";
 const FRAMES: &str = "motion_frames";
 
-pub(super) const TOPIC: Topic = Topic {
-    name: NAME,
-    measure: Measure::OneCore(measure),
-    page,
-    losses: no_losses,
-};
+pub(super) const TOPIC: Topic = Topic::on_one_core(NAME, measure, page);
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
     let (queries, pairs) = match (find_records("ccdq"), find_records("ccdp")) {

@@ -14,7 +14,7 @@ use morph_collision_testkit::bench::{Stopwatch, median};
 use morph_collision_testkit::report::{Store, Table};
 use serde::{Deserialize, Serialize};
 
-use super::{Measure, Topic, no_losses};
+use super::Topic;
 use crate::report::context::Context;
 use crate::report::page::Page;
 
@@ -23,12 +23,7 @@ const STILL: &str = "worst_cases_still";
 const ONE: &str = "worst_cases_one";
 const MOTIONS: &str = "worst_cases_motions";
 
-pub(super) const TOPIC: Topic = Topic {
-    name: NAME,
-    measure: Measure::OneCore(measure),
-    page,
-    losses: no_losses,
-};
+pub(super) const TOPIC: Topic = Topic::on_one_core(NAME, measure, page);
 
 /// Blobs of 1,280 triangles.
 const LEVEL: u32 = 3;

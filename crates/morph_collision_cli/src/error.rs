@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use morph_collision::InputError;
+use morph_collision::{InputError, WeightsError};
 use morph_collision_models::gltf::read::{ReadError, Remedy};
 use morph_collision_models::gltf::write::WriteError;
 use morph_collision_models::inspect::MeshError;
@@ -12,10 +12,19 @@ use morph_collision_models::scenes::SceneError;
 use morph_collision_models::text::Printable;
 use thiserror::Error;
 
-use crate::posed::PoseError;
-
 /// An error of any kind.
 pub type AnyError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Why a body refuses a shape.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PoseError {
+    /// The weights.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// The joints or the placement.
+    #[error(transparent)]
+    Transform(#[from] InputError),
+}
 
 /// Why a command failed. Names the file and, if there is one, the mesh, frame, body and index.
 #[derive(Debug, Error)]

@@ -6,9 +6,10 @@ use clap::Args;
 use morph_collision_models::inspect::{FileReport, Summary, SummaryRow};
 
 use crate::error::CliError;
-use crate::model_file::{FileArgs, MeshChoice};
+use crate::files::model::{FileArgs, MeshChoice};
+use crate::messages;
+use crate::messages::progress;
 use crate::output;
-use crate::progress;
 
 const EXAMPLES: &str = "Examples:
   morph-collide inspect face.glb
@@ -70,7 +71,7 @@ fn batch(args: &InspectArgs) -> Result<(), CliError> {
             Ok(report) => {
                 for mesh in &report.meshes {
                     if let Some(left_out) = &mesh.left_out {
-                        output::tell_left_out(model, mesh.index, &mesh.name, left_out.clone());
+                        messages::tell_left_out(model, mesh.index, &mesh.name, left_out.clone());
                     }
                 }
                 SummaryRow::of(&report)

@@ -15,58 +15,56 @@
 //!
 //! Results go to stdout, errors and progress to stderr. The exit code is 2 after an error, and 1 if `lint` or `sweep --fail-on-touch` found
 //! something that touches.
+//!
+//! # Order of the folders
+//!
+//! A folder uses only those to its right:
+//!
+//! ```text
+//! shared > export, lint, sweep > guides, inspect, motion, query, run, scene > touching > cast > options, output > files
+//! > messages > error, help, picture
+//! ```
 #![forbid(unsafe_code)]
 
-mod blame;
 mod cast;
-mod clip_files;
-mod clips;
-mod depth;
-mod drawn_args;
 mod error;
 mod export;
-mod expression;
-mod frame_times;
+mod files;
 mod guides;
 mod help;
 mod inspect;
-mod left_out;
 pub mod lint;
-mod model_file;
+mod messages;
 mod motion;
+mod options;
 mod output;
-mod output_file;
 mod picture;
-mod posed;
-mod progress;
 mod query;
 mod run;
 mod scene;
-mod shape_args;
 mod sweep;
-mod told_clips;
 mod touching;
-mod tree_options;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-pub use crate::progress::{Listener, Told, listen};
+pub use crate::messages::progress::{Listener, Told, listen};
 
 use crate::error::{AnyError, CliError};
-use crate::progress::ProgressArgs;
+use crate::messages::progress::ProgressArgs;
 
 /// What `morph-lab`, the program of the test kit, shares with this one: how files are read, bodies are set up, and results are written.
 pub mod shared {
     pub use crate::cast::{SetUp, Shape, Source};
-    pub use crate::clips::read_clips;
     pub use crate::error::{AnyError, CliError};
-    pub use crate::model_file::{FileArgs, MeshChoice, count_memory, leave_out_unweighted, read_mesh};
-    pub use crate::output::{complain, counted, print, print_json};
-    pub use crate::progress::{ProgressArgs, Steps, count, doing};
+    pub use crate::files::clips::read_clips;
+    pub use crate::files::model::{FileArgs, MeshChoice, count_memory, leave_out_unweighted, read_mesh};
+    pub use crate::messages::progress::{ProgressArgs, Steps, count, doing};
+    pub use crate::messages::{complain, counted};
+    pub use crate::options::tree::TreeArgs;
+    pub use crate::output::{print, print_json};
     pub use crate::run::{Mode, PairFinder, RunArgs, run, run_with};
-    pub use crate::tree_options::TreeArgs;
     pub use crate::{Verdict, run_cli};
 }
 
@@ -134,12 +132,12 @@ fn run_command(command: &Command) -> Result<Verdict, CliError> {
 /// Parses the arguments of this process and runs a command. Writes errors to stderr, after the program's name, and returns the exit code.
 pub fn run_cli<C: CommandFactory + FromArgMatches>(run: impl FnOnce(&C) -> Result<Verdict, AnyError>) -> ExitCode {
     let command = C::command();
-    output::set_program(command.get_name());
+    messages::set_program(command.get_name());
     let matches = help::wrapped(command).try_get_matches();
     let cli = match matches.and_then(|matches| C::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
-            output::complain_at_length(error.render());
+            messages::complain_at_length(error.render());
             return ExitCode::from(2);
         }
         // `--help` and `--version` end up here. If the reader is gone, nobody needs the output.
@@ -158,6 +156,6 @@ pub fn run_cli<C: CommandFactory + FromArgMatches>(run: impl FnOnce(&C) -> Resul
     {
         return ExitCode::SUCCESS;
     }
-    output::complain(format_args!("error: {error}"));
+    messages::complain(format_args!("error: {error}"));
     ExitCode::from(2)
 }

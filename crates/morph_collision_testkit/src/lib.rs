@@ -25,7 +25,17 @@
 //!
 //! # Features
 //!
-//! - `report` (off by default): the module `report`, and the program `report`, which writes the repository's pages of measurements.
+//! - `lab` (on by default): the program `morph-lab`, which has all of this as commands, and writes the repository's pages of measurements.
+//! - `report`: the module `report`, which draws their tables and plots.
+//!
+//! # Order of the folders
+//!
+//! A folder uses only those to its right:
+//!
+//! ```text
+//! bench, determinism, fuzzing, stress > moments, tightness, verify > motion, rivals
+//! > assets, extremes, near_degenerate, oracle, report, search
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod assets;

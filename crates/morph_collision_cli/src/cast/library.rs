@@ -14,10 +14,10 @@ use morph_collision_models::scenes::SceneBody;
 use morph_collision_models::skeleton::Skeleton;
 
 use super::SetUp;
-use crate::clip_files::ClipFiles;
-use crate::clips::{BrokenClips, ClipChoice, NoClip, read_clips};
 use crate::error::CliError;
-use crate::model_file::{FileArgs, count_memory, read_mesh};
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::{BrokenClips, ClipChoice, NoClip, read_clips};
+use crate::files::model::{FileArgs, count_memory, read_mesh};
 
 /// A mesh as a node shows it: the file, the mesh's index and the node's.
 type Origin = (PathBuf, usize, Option<usize>);

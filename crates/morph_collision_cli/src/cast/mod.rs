@@ -1,6 +1,7 @@
 //! Turns a scene into bodies that can be posed. Reads every file once, sets up every mesh once and checks every placement.
 
 mod library;
+pub(crate) mod posed;
 mod state;
 
 use std::collections::HashSet;
@@ -16,11 +17,11 @@ use morph_collision_models::skeleton::Skeleton;
 use morph_collision_models::weight_list::TargetNames;
 
 use crate::error::{AnyError, CliError};
-use crate::model_file::FileArgs;
-use crate::posed::placed;
-use crate::progress;
+use crate::files::model::FileArgs;
+use crate::messages::progress;
 
 use library::Library;
+use posed::placed;
 pub(crate) use state::BodyState;
 
 /// Upper bound on the bytes that a pair of triangles takes while a replay lists it: twice as a hit and once as a pair, in lists

@@ -8,7 +8,7 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes;
 use morph_collision_models::weight_list::{TargetNames, WeightList};
 
-use crate::clips::ClipChoice;
+use crate::files::clips::ClipChoice;
 
 /// What a body does in a frame.
 #[derive(Clone, Debug)]

@@ -5,11 +5,11 @@ use std::io::{self, Write};
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 use morph_collision::{TrianglePair, triangle_contact};
 
-use crate::blame::Blame;
+use crate::cast::posed::Posed;
 use crate::cast::{Cast, Shape};
 use crate::output::csv_field;
-use crate::posed::Posed;
 use crate::touching::Touch;
+use crate::touching::blame::Blame;
 
 /// Two triangles that touch.
 pub(super) struct Row {

@@ -21,19 +21,19 @@ use morph_collision_models::weight_list::{TargetNames, WeightList};
 use serde::Serialize;
 
 use crate::cast::Cast;
-use crate::clip_files::ClipFiles;
-use crate::drawn_args::DrawnArgs;
+use crate::cast::posed::Posed;
 use crate::error::CliError;
-use crate::frame_times::time_in_clip;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD};
+use crate::files::clip_files::ClipFiles;
+use crate::files::drawn::DrawnArgs;
+use crate::files::model::{FileArgs, MeshChoice, STANDARD};
+use crate::options::frame_times::time_in_clip;
+use crate::options::shape::{ShapeArgs, WeightArg};
+use crate::options::tree::TreeArgs;
 use crate::output;
-use crate::output_file::OutputFile;
-use crate::posed::Posed;
+use crate::output::file::OutputFile;
 use crate::scene::build::{Candidate, Meshes, ModelSpec, candidates, clips_of, number_names, quoted, scene_of};
 use crate::scene::is_scene;
-use crate::shape_args::{ShapeArgs, WeightArg};
 use crate::touching::{Among, Search, Touch};
-use crate::tree_options::TreeArgs;
 use surface::Surface;
 
 const EXAMPLES: &str = "Examples:

@@ -5,7 +5,7 @@ use morph_collision_models::gltf::write::Appearance;
 use morph_collision_models::mesh::MorphMesh;
 
 use crate::cast::Cast;
-use crate::posed::Posed;
+use crate::cast::posed::Posed;
 use crate::touching::Touch;
 
 /// Bodies in world space.

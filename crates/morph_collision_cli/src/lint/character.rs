@@ -12,11 +12,11 @@ use super::LintArgs;
 use super::members::Member;
 use super::one_mesh::{lend_clips, member, subject};
 use super::subject::Subject;
-use crate::clip_files::ClipFiles;
-use crate::clips::{BrokenClips, read_clips};
 use crate::error::CliError;
-use crate::model_file::{check_parts, count_memory, read_mesh, show_with};
-use crate::output;
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::{BrokenClips, read_clips};
+use crate::files::model::{check_parts, count_memory, read_mesh, show_with};
+use crate::messages;
 
 /// All that is drawn, one subject for each skeleton or node tree. Of a node's instances, the first one counts.
 ///
@@ -138,14 +138,14 @@ impl Refused {
             self.untold += 1;
             return;
         }
-        output::complain(format_args!("warning: left out: {reason}"));
+        messages::complain(format_args!("warning: left out: {reason}"));
         self.told.insert(reason);
     }
 
     fn finish(self) {
         if self.untold > 0 {
-            let more = output::counted(self.untold, "more mesh", "more meshes");
-            output::complain(format_args!(
+            let more = messages::counted(self.untold, "more mesh", "more meshes");
+            messages::complain(format_args!(
                 "warning: left out: {more}, for reasons that are not listed"
             ));
         }

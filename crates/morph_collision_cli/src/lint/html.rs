@@ -8,7 +8,7 @@ use morph_collision_models::text::Printable;
 
 use super::picture;
 use super::report::{FindingReport, LintReport, MeshReport};
-use crate::depth::ThresholdArgs;
+use crate::touching::depth::ThresholdArgs;
 
 const PAGE_STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:76em;padding:0 1em;color:#222;background:#fff;overflow-wrap:anywhere}\
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}\

@@ -9,7 +9,7 @@ use morph_collision_models::text::Printable;
 
 use super::{EFFORT, LintArgs, MIXTURES, SEED, html, report_of};
 use crate::error::CliError;
-use crate::progress;
+use crate::messages::progress;
 
 /// What to try besides single targets, clips and random mixtures. The fields are the options of `morph-collide lint`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,7 +80,7 @@ mod tests {
     use std::sync::Mutex;
 
     use super::*;
-    use crate::progress::{Told, listen};
+    use crate::messages::progress::{Told, listen};
 
     static HEARD: Mutex<Vec<String>> = Mutex::new(Vec::new());
 

@@ -10,11 +10,11 @@ use super::character::characters;
 use super::one_mesh::{Garment, subject};
 use super::poses::Tried;
 use super::subject::Subject;
-use crate::clip_files::ClipFiles;
-use crate::clips::NoClip;
 use crate::error::CliError;
-use crate::output;
-use crate::posed::PoseError;
+use crate::error::PoseError;
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::NoClip;
+use crate::messages;
 
 /// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
 pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>, CliError> {
@@ -51,7 +51,7 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
         match subject(args, &mut clip_files, file, index, None, garment.as_ref()) {
             Ok(subject) => subjects.push(subject),
             Err(error) if args.mesh.is_some() => return Err(error),
-            Err(error) => output::complain(format_args!("warning: left out: {error}")),
+            Err(error) => messages::complain(format_args!("warning: left out: {error}")),
         }
     }
     clip_files.warn();

@@ -78,8 +78,8 @@ mod tests {
     use morph_collision_models::mesh::MorphMesh;
 
     use super::*;
-    use crate::clips::ClipChoice;
-    use crate::frame_times::FrameTimes;
+    use crate::files::clips::ClipChoice;
+    use crate::options::frame_times::FrameTimes;
 
     fn subject() -> Subject {
         let mesh = MorphMesh {

@@ -36,14 +36,15 @@ use morph_collision_models::gltf::read::GltfFile;
 use morph_collision_models::text::Printable;
 
 use crate::Verdict;
-use crate::depth::ThresholdArgs;
-use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD};
+use crate::files::drawn::DrawnArgs;
+use crate::files::model::{FileArgs, MeshChoice, STANDARD};
+use crate::messages;
+use crate::options::tree::TreeArgs;
 use crate::output;
-use crate::output_file::OutputFile;
+use crate::output::file::OutputFile;
 use crate::scene::fps;
-use crate::tree_options::TreeArgs;
+use crate::touching::depth::ThresholdArgs;
 use baseline::Baseline;
 use report::LintReport;
 
@@ -230,7 +231,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
 fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
     for expression in file.expressions() {
         for problem in &expression.problems {
-            output::complain(format_args!(
+            messages::complain(format_args!(
                 "warning: left out: expression \"{}\": {problem}",
                 Printable(&expression.name)
             ));

@@ -11,10 +11,10 @@ use morph_collision_models::text::Printable;
 use super::LintArgs;
 use super::members::Member;
 use super::subject::Subject;
-use crate::clip_files::ClipFiles;
-use crate::clips::read_clips;
 use crate::error::CliError;
-use crate::model_file::{count_memory, leave_out_unweighted, read_mesh};
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::read_clips;
+use crate::files::model::{count_memory, leave_out_unweighted, read_mesh};
 
 /// One mesh as a node shows it, or else its main node; with its garment.
 pub(super) fn subject(

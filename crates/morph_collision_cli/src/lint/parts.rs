@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use morph_collision::{MorphModel, TrianglePair, touching_regions};
 
-use crate::output::counted;
+use crate::messages::counted;
 
 /// The piece and the primitive of each triangle.
 #[derive(Debug)]

@@ -8,8 +8,8 @@ use super::capture::Capture;
 use super::mixtures::Mixtures;
 use super::source::{Kind, Source};
 use super::subject::Subject;
-use crate::clips::{ClipChoice, clip_names};
-use crate::frame_times::FrameTimes;
+use crate::files::clips::{ClipChoice, clip_names};
+use crate::options::frame_times::FrameTimes;
 
 /// The weights at which each target is tried alone.
 const ALONE: [f32; 4] = [0.25, 0.5, 0.75, 1.0];

@@ -8,7 +8,7 @@ use morph_collision_models::text::Grouped;
 use serde::Serialize;
 
 use super::search::in_order;
-use crate::progress;
+use crate::messages::progress;
 
 /// Pairs of triangles that share no vertex, by what is known of them for all weights from 0 to 1.
 #[derive(Debug, Serialize)]

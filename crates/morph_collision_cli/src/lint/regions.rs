@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use morph_collision::{Body, Pose, Triangle, TrianglePair, WorldFromModel, touching_regions, triangle_contact};
 
-use crate::depth::depth;
+use crate::touching::depth::depth;
 
 /// Triangles that touch each other or share vertices.
 #[derive(Clone, Debug, Default)]

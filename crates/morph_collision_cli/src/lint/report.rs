@@ -14,8 +14,8 @@ use super::proof::ProofReport;
 use super::source::{Kind, Source};
 use super::subject::{JoinedMesh, Subject};
 use super::suggest::Suggestion;
-use crate::blame::Blame;
-use crate::depth::ThresholdArgs;
+use crate::touching::blame::Blame;
+use crate::touching::depth::ThresholdArgs;
 
 /// If there are more weights, the table has only the names of those that matter most.
 const MOST_WEIGHTS: usize = 4;

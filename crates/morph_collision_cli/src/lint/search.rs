@@ -13,8 +13,8 @@ use morph_collision::{
 use super::findings::Finding;
 use super::poses::Tried;
 use super::regions::{Region, regions};
-use crate::depth::{ThresholdArgs, depth};
-use crate::posed::PoseError;
+use crate::error::PoseError;
+use crate::touching::depth::{ThresholdArgs, depth};
 
 /// Pairs of triangles that are not reported.
 pub(super) type Known = HashSet<TrianglePair>;

@@ -9,8 +9,8 @@ use morph_collision_models::text::Printable;
 use serde::Serialize;
 
 use super::members::Member;
-use crate::clips::BrokenClips;
-use crate::output;
+use crate::files::clips::BrokenClips;
+use crate::messages;
 
 /// A mesh to try.
 #[derive(Debug, Default)]
@@ -145,12 +145,12 @@ impl Subject {
                 if let Some(&target) = member.targets.get(bind.target) {
                     *of_mesh.entry(target).or_default() += bind.weight;
                 } else {
-                    output::complain(format_args!(
+                    messages::complain(format_args!(
                         "warning: left out: the expression \"{}\" moves target {} of mesh {}, which has {}",
                         Printable(&expression.name),
                         bind.target,
                         member.mesh,
-                        output::counted(member.targets.len(), "target", "targets")
+                        messages::counted(member.targets.len(), "target", "targets")
                     ));
                 }
             }

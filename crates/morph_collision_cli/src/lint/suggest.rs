@@ -6,7 +6,7 @@ use super::findings::Finding;
 use super::poses::Tried;
 use super::search::{Known, Searcher};
 use super::subject::Subject;
-use crate::posed::PoseError;
+use crate::error::PoseError;
 
 /// Weights are tried in this many steps, up to the first that clips.
 const STEPS: u32 = 16;

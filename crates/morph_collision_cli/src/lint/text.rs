@@ -7,8 +7,8 @@ use morph_collision_models::text::Printable;
 
 use super::report::{LintReport, MeshReport};
 use super::search::MOST_PAIRS;
-use crate::depth::ThresholdArgs;
-use crate::output::counted;
+use crate::messages::counted;
+use crate::touching::depth::ThresholdArgs;
 
 /// The table shows at most this many findings of a mesh; the JSON has all.
 const MOST_ROWS: usize = 40;

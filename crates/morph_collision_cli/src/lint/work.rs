@@ -27,10 +27,10 @@ use super::source::{Kind, Source};
 use super::subject::Subject;
 use super::suggest::{Suggestion, suggest};
 use crate::error::CliError;
-use crate::model_file::count_memory;
-use crate::output;
-use crate::posed::PoseError;
-use crate::progress;
+use crate::error::PoseError;
+use crate::files::model::count_memory;
+use crate::messages;
+use crate::messages::progress;
 
 /// More threads do not help, and each has a pose.
 const MOST_THREADS: usize = 64;
@@ -164,7 +164,7 @@ impl Lint<'_> {
         let capture = Capture::read(path, &self.mesh.target_names, self.file.budget())?;
         for column in &capture.ignored {
             let (name, column) = (Printable(&capture.name), Printable(column));
-            output::complain(format_args!(
+            messages::complain(format_args!(
                 "warning: {name}: ignored the column \"{column}\", which is not a target"
             ));
         }
@@ -218,7 +218,7 @@ impl Lint<'_> {
         let name = &self.mesh.name;
         if self.mesh.skin.is_some() {
             let name = Printable(name);
-            output::complain(format_args!(
+            messages::complain(format_args!(
                 "warning: mesh {} \"{name}\" is skinned, so nothing is proved",
                 self.index
             ));

@@ -13,10 +13,10 @@ use clap::Args;
 
 use crate::cast::Cast;
 use crate::error::CliError;
-use crate::model_file::FileArgs;
+use crate::files::model::FileArgs;
+use crate::messages::progress;
+use crate::options::tree::TreeArgs;
 use crate::output;
-use crate::progress;
-use crate::tree_options::TreeArgs;
 use report::MotionReport;
 use steps::{Ends, Stage};
 

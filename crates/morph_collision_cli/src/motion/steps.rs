@@ -7,10 +7,10 @@ use morph_collision::QueryStats;
 use morph_collision::motion::{LimitReached, MotionContact, MotionQuery, MovingBody};
 use morph_collision_models::mesh::MorphMesh;
 
+use crate::cast::posed::{Posed, trees};
 use crate::cast::{Cast, SetUp, Source};
 use crate::error::{AnyError, CliError};
-use crate::posed::{Posed, trees};
-use crate::tree_options::TreeArgs;
+use crate::options::tree::TreeArgs;
 
 /// Sets up each body at the start and at the end of a step.
 pub(super) struct Ends<'a>(pub(super) &'a TreeArgs);

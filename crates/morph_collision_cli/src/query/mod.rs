@@ -9,9 +9,9 @@ use clap::Args;
 use morph_collision::{Body, Ray, RayQuery, SelfQuery, ShapeQuery, WorldFromModel};
 
 use crate::error::CliError;
-use crate::model_file::FileArgs;
+use crate::files::model::FileArgs;
+use crate::options::shape::ShapeArgs;
 use crate::output;
-use crate::shape_args::ShapeArgs;
 use numbers::Triple;
 use report::{PointReport, QueryReport, RayReport, SelfReport, ShapeReport};
 

@@ -7,7 +7,7 @@ use morph_collision_models::text::Printable;
 use morph_collision_models::text::{number, numbers};
 use serde::Serialize;
 
-use crate::shape_args::ShapedMesh;
+use crate::options::shape::ShapedMesh;
 
 /// An answer that can be shown as JSON or as text.
 pub(super) trait QueryReport: Serialize {

@@ -5,10 +5,10 @@ use morph_collision::batch::Wanted;
 use morph_collision::{Aabb, PairQuery, QueryStats, TrianglePair};
 use morph_collision_models::mesh::MorphMesh;
 
+use crate::cast::posed::Posed;
 use crate::cast::{SetUp, Shape, Source};
 use crate::error::AnyError;
-use crate::posed::Posed;
-use crate::tree_options::TreeArgs;
+use crate::options::tree::TreeArgs;
 
 /// Poses the bodies of a scene, and finds the triangles in which they intersect.
 pub trait PairFinder {

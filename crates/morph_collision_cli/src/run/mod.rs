@@ -18,12 +18,12 @@ use clap::{Args, ValueEnum};
 
 use crate::cast::{Cast, SetUp};
 use crate::error::CliError;
-use crate::model_file::FileArgs;
+use crate::files::model::FileArgs;
+use crate::messages::progress;
+use crate::options::tree::TreeArgs;
 use crate::output;
-use crate::output_file::OutputFile;
+use crate::output::file::OutputFile;
 use crate::picture::Picture;
-use crate::progress;
-use crate::tree_options::TreeArgs;
 
 pub use finder::PairFinder;
 

@@ -8,7 +8,7 @@ use super::replay::{FrameCounts, Hit};
 use super::{Mode, PairFinder};
 use crate::cast::Cast;
 use crate::error::CliError;
-use crate::model_file::has_extension;
+use crate::files::model::has_extension;
 use crate::picture::DrawnBody;
 
 /// Whether and what to draw.

@@ -8,7 +8,7 @@ use morph_collision::{Aabb, QueryStats, TrianglePair, overlapping_pairs};
 use super::{Mode, PairFinder};
 use crate::cast::{Cast, Shape};
 use crate::error::CliError;
-use crate::progress::Steps;
+use crate::messages::progress::Steps;
 
 /// What a whole replay found and how long it took.
 #[derive(Debug, Default)]

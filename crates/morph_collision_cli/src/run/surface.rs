@@ -10,12 +10,12 @@ use serde::Serialize;
 
 use super::{Mode, RunArgs};
 use crate::cast::Cast;
+use crate::cast::posed::Posed;
 use crate::error::CliError;
+use crate::messages::counted;
+use crate::messages::progress;
 use crate::output;
-use crate::output::counted;
-use crate::output_file::OutputFile;
-use crate::posed::Posed;
-use crate::progress;
+use crate::output::file::OutputFile;
 
 /// The bodies of a scene with this project's trees.
 type Surfaces = Cast<Vec<Posed>>;

@@ -10,13 +10,13 @@ use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_models::skeleton::Skeleton;
 use morph_collision_models::text::Printable;
 
-use crate::clip_files::ClipFiles;
-use crate::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
-use crate::drawn_args::{DrawnArgs, note_if_not_drawn};
 use crate::error::CliError;
-use crate::frame_times::{FrameTimes, time_in_clip};
-use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_mesh, show_with};
-use crate::output;
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
+use crate::files::drawn::{DrawnArgs, note_if_not_drawn};
+use crate::files::model::{FileArgs, MeshChoice, STANDARD, count_memory, read_mesh, show_with};
+use crate::messages;
+use crate::options::frame_times::{FrameTimes, time_in_clip};
 
 /// A model file and which of its meshes: `FILE`, `FILE#MESH` or `FILE#all`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -180,7 +180,7 @@ pub(crate) fn candidates(
         {
             Ok(bodies) => found.extend(bodies),
             Err(error) if is_one => return Err(error),
-            Err(error) => output::complain(format_args!("warning: left out: {error}")),
+            Err(error) => messages::complain(format_args!("warning: left out: {error}")),
         }
     }
     if found.is_empty() {

@@ -14,15 +14,15 @@ use morph_collision_models::memory::MemoryBudget;
 use morph_collision_models::scenes::{BodyState, Scene};
 use morph_collision_models::weight_list::{TargetNames, WeightList};
 
-use crate::clip_files::ClipFiles;
-use crate::clips::NoClip;
-use crate::drawn_args::DrawnArgs;
 use crate::error::CliError;
-use crate::frame_times::FrameTimes;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD, has_extension};
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::NoClip;
+use crate::files::drawn::DrawnArgs;
+use crate::files::model::{FileArgs, MeshChoice, STANDARD, has_extension};
+use crate::options::frame_times::FrameTimes;
+use crate::options::shape::WeightArg;
 use crate::output;
-use crate::output_file::OutputFile;
-use crate::shape_args::WeightArg;
+use crate::output::file::OutputFile;
 use build::{Candidate, Meshes, ModelSpec, candidates, check_frames, check_stdin, number_names};
 use place::Place;
 

@@ -15,21 +15,21 @@ use morph_collision_models::scenes::Scene;
 
 use crate::Verdict;
 use crate::cast::Cast;
-use crate::clip_files::ClipFiles;
-use crate::depth::ThresholdArgs;
-use crate::drawn_args::DrawnArgs;
+use crate::cast::posed::Posed;
 use crate::error::CliError;
-use crate::frame_times::FrameTimes;
-use crate::model_file::{FileArgs, MeshChoice};
+use crate::files::clip_files::ClipFiles;
+use crate::files::drawn::DrawnArgs;
+use crate::files::model::{FileArgs, MeshChoice};
+use crate::options::frame_times::FrameTimes;
+use crate::options::tree::TreeArgs;
 use crate::output;
-use crate::output_file::OutputFile;
-use crate::posed::Posed;
+use crate::output::file::OutputFile;
 use crate::scene::build::{
     Meshes, ModelSpec, candidates, check_frames, clips_of, frames_of_clips, number_names, playable, scene_of,
 };
 use crate::scene::{fps, is_scene};
 use crate::touching::Among;
-use crate::tree_options::TreeArgs;
+use crate::touching::depth::ThresholdArgs;
 use report::SweepReport;
 use rows::Label;
 

@@ -9,8 +9,9 @@ use morph_collision_models::text::Printable;
 use serde::Serialize;
 
 use super::rows::Row;
-use crate::depth::ThresholdArgs;
-use crate::output::{counted, csv_field};
+use crate::messages::counted;
+use crate::output::csv_field;
+use crate::touching::depth::ThresholdArgs;
 
 /// If there are more rows, the table shows only the worst ones.
 const MOST_ROWS: usize = 40;

@@ -7,11 +7,11 @@ use morph_collision_models::text::number;
 use serde::Serialize;
 
 use super::Swept;
-use crate::blame::{self, Blame};
-use crate::depth::{self, ThresholdArgs};
+use crate::cast::posed::Posed;
 use crate::error::CliError;
-use crate::posed::Posed;
-use crate::progress;
+use crate::messages::progress;
+use crate::touching::blame::{self, Blame};
+use crate::touching::depth::{self, ThresholdArgs};
 use crate::touching::{Among, Search, Touch};
 
 /// What a frame shows.

@@ -6,7 +6,8 @@ use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
-use crate::output::{self, counted};
+use crate::messages;
+use crate::messages::counted;
 
 /// Which meshes of a model are taken, unless one is named.
 #[derive(Debug, Default, Args)]
@@ -28,7 +29,7 @@ impl DrawnArgs {
         let extent = self.extent(file)?;
         let drawing = file.drawing(extent)?;
         for broken in &drawing.broken {
-            output::complain(format_args!("warning: left out: {broken}"));
+            messages::complain(format_args!("warning: left out: {broken}"));
         }
         let parts = [
             (drawing.meshes_left_out, "mesh", "meshes"),
@@ -37,7 +38,7 @@ impl DrawnArgs {
         let parts = parts.into_iter().filter(|(count, ..)| *count > 0);
         let parts: Vec<String> = parts.map(|(count, one, many)| counted(count, one, many)).collect();
         if !parts.is_empty() {
-            output::complain(format_args!(
+            messages::complain(format_args!(
                 "note: {}: the scene does not draw {}; --all-meshes takes everything",
                 file.path().display(),
                 parts.join(" and ")
@@ -88,7 +89,7 @@ pub(crate) fn note_if_not_drawn(file: &GltfFile, mesh: usize) {
     if let Some(first) = first.filter(|_| drawing.drawn.iter().all(|drawn| drawn.mesh != mesh)) {
         let (file, name) = (file.path().display(), file.mesh_name(mesh));
         let name = Printable(&name);
-        output::complain(format_args!(
+        messages::complain(format_args!(
             "note: {file}: the scene does not draw mesh {mesh} \"{name}\"; the first mesh that it draws is {first}, and --mesh chooses one"
         ));
     }

@@ -14,10 +14,11 @@ use morph_collision_models::skeleton::Skeleton;
 use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
-use crate::clips::{BrokenClips, ClipChoice, NoClip};
 use crate::error::CliError;
-use crate::model_file::{FileArgs, has_extension};
-use crate::output::{self, listed};
+use crate::files::clips::{BrokenClips, ClipChoice, NoClip};
+use crate::files::model::{FileArgs, has_extension};
+use crate::messages;
+use crate::messages::listed;
 
 /// The clips of other files that bodies play.
 pub(crate) struct ClipFiles<'a> {
@@ -185,7 +186,7 @@ impl<'a> ClipFiles<'a> {
             match lent.clip.unnamed() {
                 0 => {}
                 count => {
-                    let channels = output::counted(count, "channel moves a node", "channels move nodes");
+                    let channels = messages::counted(count, "channel moves a node", "channels move nodes");
                     lent.warn(&format!("{channels} without a name, which fits no model"));
                 }
             }
@@ -227,7 +228,7 @@ impl Lent {
 
     fn warn(&self, what: &str) {
         let (file, animation) = (self.file.display(), Printable(&self.animation));
-        output::complain(format_args!("warning: {file}: animation \"{animation}\": {what}"));
+        messages::complain(format_args!("warning: {file}: animation \"{animation}\": {what}"));
     }
 }
 

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::output;
+use super::complain;
 
 /// The progress option of all commands.
 #[derive(Debug, Args)]
@@ -104,7 +104,7 @@ impl ProgressArgs {
                 std::thread::sleep(every);
                 let line = now().as_ref().and_then(Activity::line);
                 if let Some(line) = line {
-                    output::complain(line);
+                    complain(line);
                 }
             }
         });
@@ -142,7 +142,7 @@ impl Steps {
             line = activity.line_of_step();
         }
         if let Some(line) = line {
-            output::complain(line);
+            complain(line);
         }
     }
 }

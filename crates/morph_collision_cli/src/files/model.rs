@@ -17,11 +17,11 @@ use morph_collision_models::scenes::Scene;
 use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
-use crate::drawn_args::note_if_not_drawn;
+use super::told_clips::ToldClips;
 use crate::error::CliError;
-use crate::output;
-use crate::progress;
-use crate::told_clips::ToldClips;
+use crate::files::drawn::note_if_not_drawn;
+use crate::messages;
+use crate::messages::progress;
 
 /// The name of stdin and stdout on the command line.
 pub(crate) const STANDARD: &str = "-";
@@ -221,7 +221,7 @@ pub fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> Result<M
     show_with(file, index, node, &mut found.mesh)?;
     let left_out = LeftOut::of(file, &mut found).map_err(|reason| mesh_error(file, index, reason.into()))?;
     if let Some(left_out) = left_out {
-        output::tell_left_out(file.path(), index, &found.mesh.name, left_out);
+        messages::tell_left_out(file.path(), index, &found.mesh.name, left_out);
     }
     Ok(found.mesh)
 }
@@ -262,7 +262,7 @@ pub fn leave_out_unweighted(
     let unweighted = mesh.leave_out_unweighted();
     if let Some(unweighted) = &unweighted {
         let (path, name) = (file.path().display(), Printable(&mesh.name));
-        output::complain(format_args!("warning: {path}: mesh {index} \"{name}\": {unweighted}"));
+        messages::complain(format_args!("warning: {path}: mesh {index} \"{name}\": {unweighted}"));
         if mesh.triangles.is_empty() {
             return Err(mesh_error(file, index, ModelError::NoTriangles.into()));
         }

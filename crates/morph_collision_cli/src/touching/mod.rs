@@ -1,5 +1,8 @@
 //! Finds the triangles that touch among posed bodies, within each body and between them.
 
+pub(crate) mod blame;
+pub(crate) mod depth;
+
 use std::ops::ControlFlow;
 
 use glam::Vec3;
@@ -8,7 +11,7 @@ use morph_collision::{
     overlapping_pairs,
 };
 
-use crate::posed::Posed;
+use crate::cast::posed::Posed;
 
 /// Two triangles that touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::error::CliError;
-use crate::model_file::STANDARD;
+use crate::files::model::STANDARD;
+use crate::messages::progress;
 use crate::output;
-use crate::progress;
 
 /// A file to be written at the end of a command and checked at its beginning.
 ///

@@ -3,32 +3,18 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3};
-use morph_collision::{
-    Aabb, Body, BuildOptions, InputError, JointMatrices, MorphBvh, MorphModel, Pose, WeightsError, WorldFromModel,
-};
+use morph_collision::{Aabb, Body, BuildOptions, JointMatrices, MorphBvh, MorphModel, Pose, WorldFromModel};
 use morph_collision_models::mesh::MorphMesh;
-use thiserror::Error;
 
-use crate::cast::{SetUp, Shape, Source};
-use crate::error::AnyError;
-use crate::tree_options::TreeArgs;
+use super::{SetUp, Shape, Source};
+use crate::error::{AnyError, PoseError};
+use crate::options::tree::TreeArgs;
 
 /// A body at one moment.
 #[derive(Debug)]
 pub struct Posed {
     pub(crate) pose: Pose,
     world_from_model: WorldFromModel,
-}
-
-/// Why a body refuses a shape.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum PoseError {
-    /// The weights.
-    #[error(transparent)]
-    Weights(#[from] WeightsError),
-    /// The joints or the placement.
-    #[error(transparent)]
-    Transform(#[from] InputError),
 }
 
 impl Posed {

@@ -13,13 +13,13 @@ use morph_collision_models::inspect::MeshError;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::weight_list::{TargetNames, WeightList};
 
-use crate::clip_files::ClipFiles;
-use crate::clips::{ClipChoice, read_clips};
 use crate::error::CliError;
-use crate::expression::ExpressionArg;
-use crate::frame_times::time_in_clip;
-use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory};
-use crate::progress;
+use crate::files::clip_files::ClipFiles;
+use crate::files::clips::{ClipChoice, read_clips};
+use crate::files::model::{FileArgs, MeshChoice, STANDARD, count_memory};
+use crate::messages::progress;
+use crate::options::expression::ExpressionArg;
+use crate::options::frame_times::time_in_clip;
 
 /// Which mesh of a model, and in which shape.
 #[derive(Debug, Args)]

@@ -9,8 +9,9 @@ use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
-use crate::model_file::FileArgs;
-use crate::output::{self, listed};
+use crate::files::model::FileArgs;
+use crate::messages;
+use crate::messages::listed;
 
 /// What an animation moves of a body: indices into the clips of its weights, of its joints and of the node that shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +73,7 @@ pub fn read_clips(
     }
     for (animation, reason) in &broken.0 {
         if files.told.is_news(file.path(), *animation) {
-            output::complain(format_args!("warning: left out: {reason}"));
+            messages::complain(format_args!("warning: left out: {reason}"));
         }
     }
     broken

@@ -1,0 +1,7 @@
+//! Files that commands read: models, the meshes and clips in them, and scenes.
+
+pub(crate) mod clip_files;
+pub(crate) mod clips;
+pub(crate) mod drawn;
+pub(crate) mod model;
+mod told_clips;

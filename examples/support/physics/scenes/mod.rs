@@ -13,7 +13,8 @@ use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use morph_collision_models::{generated::rigid, mesh::MorphMesh};
+use morph_collision_models::generated::rigid;
+use morph_collision_models::mesh::MorphMesh;
 
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;

@@ -80,7 +80,6 @@ fn the_changelog_and_all_manifests_name_one_version() -> Outcome {
         "bevy_morph_physics",
         "bevy_morph_rapier",
         "bevy_morph_avian",
-        "morph_collision_testkit",
         "morph_collision_cli",
     ] {
         assert_eq!(&versions[name], own, "{name} under workspace.dependencies");

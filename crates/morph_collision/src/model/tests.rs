@@ -209,10 +209,10 @@ fn bad_parts_are_those_for_which_a_model_is_refused() {
             (bad_triangles, bad_vertices),
             "{reason}"
         );
-        let told = bad.first().map(ToString::to_string).unwrap_or_default();
+        let message = bad.first().map(ToString::to_string).unwrap_or_default();
         assert!(
-            told.starts_with(reason) && told.is_empty() == reason.is_empty(),
-            "{told}"
+            message.starts_with(reason) && message.is_empty() == reason.is_empty(),
+            "{message}"
         );
         bad.repair(&mut base);
         let mut sparse: SparseTarget = target.iter().copied().collect();

@@ -3,8 +3,6 @@
 use glam::DVec3;
 
 use super::body::Body;
-use super::ray::RayHit;
-use super::shape::ClosestPoint;
 use crate::exact::Triangle;
 
 /// A point on a mesh's surface that follows it as the shape and the body move.
@@ -76,23 +74,5 @@ impl SurfaceAnchor {
     fn point_on(&self, &[a, b, c]: &Triangle) -> DVec3 {
         let [_, v, w] = self.barycentrics;
         a + ((b - a) * v + (c - a) * w)
-    }
-}
-
-impl From<&RayHit> for SurfaceAnchor {
-    fn from(hit: &RayHit) -> Self {
-        Self {
-            triangle: hit.triangle,
-            barycentrics: hit.barycentrics,
-        }
-    }
-}
-
-impl From<&ClosestPoint> for SurfaceAnchor {
-    fn from(closest: &ClosestPoint) -> Self {
-        Self {
-            triangle: closest.triangle,
-            barycentrics: closest.barycentrics,
-        }
     }
 }

@@ -6,7 +6,7 @@ use morph_collision::{Aabb, Body, ConvexRegion, Pose, ShapeQuery};
 use crate::bodies::{self, Case, Random, box_around, snap};
 use crate::reference::{Corners, touch};
 
-fn ask(case: &Case, poses: &mut [Pose], region: &ConvexRegion, truth: &[u32], what: &str) {
+fn assert_region(case: &Case, poses: &mut [Pose], region: &ConvexRegion, truth: &[u32], what: &str) {
     let place = case.world_from_model();
     for pose in poses {
         let mut found = Vec::new();
@@ -82,7 +82,7 @@ fn boxes_meet_the_triangles_that_the_oracle_says() {
             let holds = |p: DVec3| low.cmple(p).all() && p.cmple(high).all();
             let truth = numbers(&triangles, |t| meets_polyhedron(t, &faces, holds));
             found += truth.len();
-            ask(
+            assert_region(
                 &case,
                 &mut poses,
                 &ConvexRegion::from_aabb(&bounds).unwrap(),
@@ -137,7 +137,7 @@ fn frusta_meet_the_triangles_that_the_oracle_says() {
             };
             let truth = numbers(&triangles, |t| meets_polyhedron(t, &faces, holds));
             found += truth.len();
-            ask(&case, &mut poses, &region, &truth, &format!("{corners:?}"));
+            assert_region(&case, &mut poses, &region, &truth, &format!("{corners:?}"));
         }
     }
     assert!(found > 500, "{found}");
@@ -148,7 +148,7 @@ fn all_of_space_holds_everything_and_contradictions_hold_nothing() {
     let case = &bodies::generated()[3];
     let mut poses = case.poses();
     let all: Vec<u32> = (0..case.mesh.triangles.len() as u32).collect();
-    ask(
+    assert_region(
         case,
         &mut poses,
         &ConvexRegion::from_half_spaces(&[]).unwrap(),
@@ -157,7 +157,7 @@ fn all_of_space_holds_everything_and_contradictions_hold_nothing() {
     );
     let up = (DVec3::Z, -0.1);
     let down = (DVec3::NEG_Z, -0.1);
-    ask(
+    assert_region(
         case,
         &mut poses,
         &ConvexRegion::from_half_spaces(&[up, down]).unwrap(),
@@ -174,7 +174,7 @@ fn half_spaces_that_share_only_a_plane_hold_what_touches_it() {
     let mut poses = case.poses();
     let sides = [DVec3::Z, DVec3::NEG_Z].map(|normal| (normal, 0.0));
     let all: Vec<u32> = (0..count).collect();
-    ask(
+    assert_region(
         &case,
         &mut poses,
         &ConvexRegion::from_half_spaces(&sides).unwrap(),

@@ -27,7 +27,7 @@ impl Bodies {
     }
 
     /// Moves the bodies to their state in another scene.
-    fn follow(&mut self, scene: &Scene) {
+    fn pose(&mut self, scene: &Scene) {
         for ((_, weights, place), (pose, placed)) in
             scene.bodies.iter().zip(self.poses.iter_mut().zip(&mut self.places))
         {
@@ -200,7 +200,7 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
     assert_eq!(again.nodes_blended, 0, "the worker has them all");
     let mut before = found;
     for step in [210, 45, 200] {
-        bodies.follow(&scenes::pass_through(step));
+        bodies.pose(&scenes::pass_through(step));
         let (found, _) = run(&mut bodies);
         assert_ne!(found, before, "step {step} changes nothing");
         assert_eq!(found, bodies.one_by_one(&bodies.tasks(Wanted::All)), "step {step}");
@@ -208,7 +208,7 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
     }
     // The copies first follow refitted poses, then other refitted poses, then lazy poses again.
     for (step, is_refitted) in [(200, true), (210, true), (200, false), (200, true), (45, false)] {
-        bodies.follow(&scenes::pass_through(step));
+        bodies.pose(&scenes::pass_through(step));
         if is_refitted {
             bodies.poses.iter_mut().for_each(Pose::refit);
         }
@@ -282,7 +282,7 @@ fn memories_are_used_and_change_no_answer() {
     let (mut touching, mut tests, mut tests_remembering) = (0, 0, 0);
     let mut bodies = Bodies::new(&scenes::dolphins(200));
     for frame in 200..230 {
-        bodies.follow(&scenes::dolphins(frame));
+        bodies.pose(&scenes::dolphins(frame));
         let mut tasks = bodies.tasks(Wanted::First);
         let plain = bodies.one_by_one(&tasks);
         tests += work(&mut bodies, &mut tasks).0;

@@ -9,6 +9,7 @@ use super::projection::RayProjection;
 use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
 use crate::exact::{Crossing, Triangle, closest_on_triangle, ray_meets_triangle};
 use crate::input_error::InputError;
+use crate::query::anchor::SurfaceAnchor;
 use crate::query::body::Body;
 use crate::query::input::Ray;
 use crate::query::one_body::OneBody;
@@ -238,6 +239,15 @@ impl RayHit {
                 Ordering::Greater => Facing::Back,
                 Ordering::Equal => Facing::EdgeOn,
             },
+        }
+    }
+}
+
+impl From<&RayHit> for SurfaceAnchor {
+    fn from(hit: &RayHit) -> Self {
+        Self {
+            triangle: hit.triangle,
+            barycentrics: hit.barycentrics,
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::bounds::{Box64, ByBox, GapFrame, PlacedBounds, WorldFromModel};
 use crate::exact::{TrianglePoint, closest_on_triangle_exactly, largest};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
+use crate::query::anchor::SurfaceAnchor;
 use crate::query::rank::{MARGIN, Rank};
 
 /// The point on a body's surface that is closest to a given point.
@@ -84,5 +85,14 @@ impl ShapeQuery {
             point: foot.point,
             distance: rank.distance,
         }))
+    }
+}
+
+impl From<&ClosestPoint> for SurfaceAnchor {
+    fn from(closest: &ClosestPoint) -> Self {
+        Self {
+            triangle: closest.triangle,
+            barycentrics: closest.barycentrics,
+        }
     }
 }

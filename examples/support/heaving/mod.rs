@@ -21,7 +21,6 @@ mod tally;
 use std::path::PathBuf;
 
 use bevy::prelude::*;
-use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 
 pub use hill::{Hill, MODEL};

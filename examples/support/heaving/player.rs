@@ -3,7 +3,6 @@
 use std::f32::consts::{PI, TAU};
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 

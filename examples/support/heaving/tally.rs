@@ -1,7 +1,6 @@
 //! Statistics, counted after every step.
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;

@@ -5,7 +5,6 @@ use std::path::Path;
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_morph_avian::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::random;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{settle, sheet};

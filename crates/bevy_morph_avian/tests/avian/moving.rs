@@ -7,7 +7,6 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_avian::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::log::start;

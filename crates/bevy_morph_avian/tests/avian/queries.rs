@@ -2,7 +2,6 @@
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
-use bevy_morph_avian::prelude::*;
 use morph_collision_models::generated::rigid;
 use morph_collision_workspace::physics::{settle, sheet};
 
@@ -56,11 +55,7 @@ fn shapes_and_points_find_the_surface_once_where_it_is() {
             1,
             "{touching:?}"
         );
-        let is_known = |entity: Entity| {
-            app.world()
-                .get::<bevy_morph_collision::MorphAvianPart>(entity)
-                .is_none()
-        };
+        let is_known = |entity: Entity| app.world().get::<bevy_morph_avian::MorphAvianPart>(entity).is_none();
         assert!(
             touching
                 .iter()

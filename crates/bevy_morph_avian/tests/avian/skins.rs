@@ -6,7 +6,6 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_morph_avian::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
 use crate::support::{DT, app, below, body, is_asleep, place, population, run, set_weights, velocity};

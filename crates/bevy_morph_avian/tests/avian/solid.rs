@@ -3,7 +3,6 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_morph_avian::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_workspace::physics::{settle, sheet};
 

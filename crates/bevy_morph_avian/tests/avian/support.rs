@@ -9,7 +9,6 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_avian::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};

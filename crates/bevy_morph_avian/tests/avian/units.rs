@@ -7,7 +7,6 @@ use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_avian::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::player::Player;
 

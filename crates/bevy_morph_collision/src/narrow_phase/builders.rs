@@ -187,6 +187,8 @@ mod tests {
     };
 
     use super::super::comparison::BatchResult;
+    use super::super::participant::PlacedCollider;
+    use super::super::starts::Starts;
     use super::*;
     use crate::broad_phase::SweptPairs;
     use crate::components::MorphCollisionMode;
@@ -316,7 +318,7 @@ mod tests {
             .collect();
         assert!(touching.len() > 40 && touching.iter().any(|contact| !contact.points.is_empty()));
         assert!(touching.iter().any(|contact| contact.impact.is_some()));
-        let passed = |(_, outcome): &&(Pair, Outcome)| matches!(answer, Outcome::Passed(_));
+        let passed = |(_, outcome): &&(Pair, Outcome)| matches!(outcome, Outcome::Passed(_));
         assert!(alone.iter().filter(passed).count() > 2);
         for threads in [2, 4, 8] {
             let (together, stats_together) = contacts(&ThreadWorkers::new(threads));

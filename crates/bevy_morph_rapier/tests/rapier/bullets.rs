@@ -1,7 +1,6 @@
 //! What stops bullets, and what does not.
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};

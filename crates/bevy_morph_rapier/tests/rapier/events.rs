@@ -4,7 +4,6 @@ use std::path::Path;
 
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::headless;

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;

@@ -8,7 +8,6 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet};

@@ -1,7 +1,6 @@
 //! How surfaces carry characters.
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::mesh::MorphMesh;

@@ -17,7 +17,6 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
 use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};

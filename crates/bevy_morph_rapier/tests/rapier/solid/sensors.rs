@@ -1,7 +1,6 @@
 //! What Rapier's sensors and queries see inside a solid surface.
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle};

@@ -4,7 +4,6 @@ use bevy::gltf::Gltf;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::clip::WeightAnimation;

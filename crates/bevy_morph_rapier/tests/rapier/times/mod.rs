@@ -22,7 +22,6 @@ use std::time::Duration;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::{headless, ready};

@@ -41,15 +41,14 @@ impl ContactQueries {
                 },
                 ..,
             ) => {
-                let found = (std::mem::take(triangles), *is_truncated);
-                self.with_mesh(empty, pair, found, limit, stats)
+                let contact = MorphContact {
+                    is_truncated: *is_truncated,
+                    ..empty
+                };
+                self.with_mesh(contact, pair, std::mem::take(triangles), limit, stats)
             }
-            (BatchResult::NotAsked, _, Form::Shape(shape)) => {
-                self.with_shape(empty, pair, (&shape, false), limit, stats)
-            }
-            (BatchResult::NotAsked, Form::Shape(shape), _) => {
-                self.with_shape(empty, pair, (&shape, true), limit, stats)
-            }
+            (BatchResult::NotAsked, _, Form::Shape(shape)) => self.with_shape(empty, pair, &shape, limit, stats),
+            (BatchResult::NotAsked, Form::Shape(shape), _) => self.with_shape(empty, pair, &shape, limit, stats),
             (BatchResult::NotAsked, Form::Mesh(_), Form::Mesh(_)) | (BatchResult::Apart, ..) => None,
         }
     }
@@ -59,7 +58,7 @@ impl ContactQueries {
         &mut self,
         mut contact: MorphContact,
         [a, b]: [&PlacedCollider<'_>; 2],
-        (mut triangles, is_truncated): (Vec<TrianglePair>, bool),
+        mut triangles: Vec<TrianglePair>,
         limit: usize,
         stats: &mut QueryStats,
     ) -> Option<MorphContact> {
@@ -79,7 +78,6 @@ impl ContactQueries {
             contact.distance = closest.distance as f32;
             return Some(contact);
         }
-        contact.is_truncated = is_truncated;
         let first = triangles[0];
         let corners_a = mesh_a.body().triangle(first.triangle_a)?;
         let corners_b = mesh_b.body().triangle(first.triangle_b)?;
@@ -112,11 +110,12 @@ impl ContactQueries {
         &mut self,
         mut contact: MorphContact,
         [a, b]: [&PlacedCollider<'_>; 2],
-        (shape, shape_first): (&PlacedShape, bool),
+        shape: &PlacedShape,
         limit: usize,
         stats: &mut QueryStats,
     ) -> Option<MorphContact> {
         let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
+        let shape_first = matches!(a.placement.form, Form::Shape(_));
         let mut mesh = if shape_first { b.mesh()? } else { a.mesh()? };
         let pair = |triangle| pair_with_shape(triangle, shape_first);
         // The direction out of the shape is the one in which the mesh separates.

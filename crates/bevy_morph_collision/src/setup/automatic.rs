@@ -1,6 +1,7 @@
 //! What [`MorphCollisionSettings::every_deforming_mesh`] gave to a mesh.
 
 use crate::components::{MorphCollider, MorphColliderOf, MorphCollisionLayers, body_of};
+use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 
 /// Marks a deforming mesh that the setting was applied to, and records what the setting gave it: nothing if the mesh already was
@@ -32,18 +33,18 @@ impl Automatic {
     }
 }
 
+/// What the setting may give, as a mesh has it now.
+#[derive(QueryData)]
+pub(crate) struct Present {
+    pub(super) collider: Option<&'static MorphCollider>,
+    pub(super) layers: Option<&'static MorphCollisionLayers>,
+    pub(super) body: Option<&'static MorphColliderOf>,
+}
+
 impl Automatic {
     /// Removes what was given: the collider even if the user changed it, the rest only if it is unchanged.
-    pub(super) fn take_back(
-        &self,
-        mut entity: EntityCommands,
-        (collider, layers, of): (
-            Option<&MorphCollider>,
-            Option<&MorphCollisionLayers>,
-            Option<&MorphColliderOf>,
-        ),
-    ) {
-        if collider.is_none() {
+    pub(super) fn take_back(&self, mut entity: EntityCommands, present: &PresentItem) {
+        if present.collider.is_none() {
             // The user removed it, so it must not come back with the setting.
             entity.try_insert(Self::default());
         } else {
@@ -52,10 +53,10 @@ impl Automatic {
         if self.collider.is_some() {
             entity.try_remove::<MorphCollider>();
         }
-        if self.gave_layers(layers) {
+        if self.gave_layers(present.layers) {
             entity.try_remove::<MorphCollisionLayers>();
         }
-        if self.gave_body(body_of(entity.id(), of)) {
+        if self.gave_body(body_of(entity.id(), present.body)) {
             entity.try_remove::<MorphColliderOf>();
         }
     }

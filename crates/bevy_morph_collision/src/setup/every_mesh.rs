@@ -6,13 +6,11 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use super::automatic::Automatic;
+use super::automatic::{Automatic, Present};
 use super::body_roots::BodyRoots;
 use super::given::should_update;
 use super::scene_part::ScenePart;
-use crate::components::{
-    MorphCollider, MorphColliderOf, MorphCollisionLayers, MorphCollisionSettings, body_of, give_body,
-};
+use crate::components::{MorphCollider, MorphCollisionSettings, body_of, give_body};
 
 /// Deforming meshes that the setting has not been applied to. Scenes handle their own parts.
 type New = (
@@ -23,21 +21,14 @@ type New = (
     Allow<Disabled>,
 );
 
-/// The collider, layers and body of a mesh.
-type Has3 = (
-    Option<&'static MorphCollider>,
-    Option<&'static MorphCollisionLayers>,
-    Option<&'static MorphColliderOf>,
-);
-
 /// Applies the setting to new meshes, and to all meshes when the setting changes.
 ///
 /// The bodies of meshes follow the hierarchy and the components that make an entity a body.
 pub(crate) fn update_every_deforming_mesh(
     mut commands: Commands,
     settings: Res<MorphCollisionSettings>,
-    new: Query<(Entity, Has3), New>,
-    mut known: Query<(Entity, &mut Automatic, Has3), Allow<Disabled>>,
+    new: Query<(Entity, Present), New>,
+    mut known: Query<(Entity, &mut Automatic, Present), Allow<Disabled>>,
     mut roots: BodyRoots,
     mut applied: Local<Option<MorphCollider>>,
 ) {
@@ -52,9 +43,9 @@ pub(crate) fn update_every_deforming_mesh(
         for (entity, mut automatic, has) in &mut known {
             let mut entity = commands.entity(entity);
             match (wanted, &mut automatic.collider) {
-                (None, _) => automatic.take_back(entity, has),
+                (None, _) => automatic.take_back(entity, &has),
                 (Some(wanted), Some(given)) => {
-                    if should_update(false, given, has.0, wanted, MorphCollider::is_same) {
+                    if should_update(false, given, has.collider, wanted, MorphCollider::is_same) {
                         entity.try_insert(wanted);
                     }
                 }
@@ -66,27 +57,27 @@ pub(crate) fn update_every_deforming_mesh(
     let unsettled = roots.unsettled();
     let root_of = roots.finder();
     for mesh in unsettled {
-        let Ok((mesh, mut automatic, (_, _, of))) = known.get_mut(mesh) else {
+        let Ok((mesh, mut automatic, has)) = known.get_mut(mesh) else {
             continue;
         };
         let Some(given) = &mut automatic.body else { continue };
         let root = root_of(mesh);
-        if should_update(false, given, Some(&body_of(mesh, of)), root, PartialEq::eq) {
+        if should_update(false, given, Some(&body_of(mesh, has.body)), root, PartialEq::eq) {
             give_body(&mut commands.entity(mesh), root);
         }
     }
-    for (mesh, (has_collider, layers, of)) in &new {
+    for (mesh, has) in &new {
         let mut entity = commands.entity(mesh);
-        if has_collider.is_some() {
+        if has.collider.is_some() {
             entity.try_insert(Automatic::default());
             continue;
         }
-        let body = of.is_none().then(|| root_of(mesh));
+        let body = has.body.is_none().then(|| root_of(mesh));
         entity.try_insert((
             collider,
             Automatic {
                 collider: Some(collider),
-                layers: layers.is_none(),
+                layers: has.layers.is_none(),
                 body,
             },
         ));

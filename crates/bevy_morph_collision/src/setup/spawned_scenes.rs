@@ -2,7 +2,7 @@
 
 use bevy::asset::UntypedAssetId;
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::ecs::query::Allow;
+use bevy::ecs::query::{Allow, QueryData};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::world_serialization::{WorldInstance, WorldInstanceSpawner};
@@ -13,11 +13,12 @@ use crate::app::Names;
 use crate::import::ImportError;
 
 /// The components of an entity that spawns a scene.
-type Root = (
-    Option<&'static WorldAssetRoot>,
-    Option<&'static DynamicWorldRoot>,
-    Option<&'static WorldInstance>,
-);
+#[derive(QueryData)]
+pub(crate) struct Root {
+    scene: Option<&'static WorldAssetRoot>,
+    dynamic: Option<&'static DynamicWorldRoot>,
+    instance: Option<&'static WorldInstance>,
+}
 
 /// Entities that spawn a scene.
 type IsRoot = (Or<(With<WorldAssetRoot>, With<DynamicWorldRoot>)>, Allow<Disabled>);
@@ -66,25 +67,20 @@ impl SpawnedScenes<'_, '_> {
         states.any(|state| state == SceneState::Pending)
     }
 
-    fn state_of(
-        &self,
-        (scene, dynamic, instance): (
-            Option<&WorldAssetRoot>,
-            Option<&DynamicWorldRoot>,
-            Option<&WorldInstance>,
-        ),
-        names: &Names,
-    ) -> SceneState {
+    fn state_of(&self, root: RootItem<'_, '_>, names: &Names) -> SceneState {
         let Some(spawner) = &self.spawner else {
             let reason =
                 "nobody spawns scenes. Add `WorldSerializationPlugin` to the app (`DefaultPlugins` contains it)";
             return SceneState::Failed(ImportError::NotLoaded(reason.into()));
         };
-        if instance.is_some_and(|instance| spawner.instance_is_ready(**instance)) {
+        if root
+            .instance
+            .is_some_and(|instance| spawner.instance_is_ready(**instance))
+        {
             return SceneState::Spawned;
         }
-        let scene: Option<UntypedAssetId> = scene.map(|scene| scene.id().untyped());
-        let asset = scene.or_else(|| Some(dynamic?.id().untyped()));
+        let scene: Option<UntypedAssetId> = root.scene.map(|scene| scene.id().untyped());
+        let asset = scene.or_else(|| Some(root.dynamic?.id().untyped()));
         match asset.and_then(|asset| names.load_error(asset)) {
             Some(error) => SceneState::Failed(ImportError::NotLoaded(error)),
             None => SceneState::Pending,

@@ -135,12 +135,12 @@ impl MorphSpatialQuery<'_, '_> {
                 })
             },
         );
-        first.map(|(rank, impact)| MorphShapeHit::new(rank.id, &impact))
+        first.map(|(rank, impact)| MorphShapeHit::new(rank.id.0, rank.id.1, &impact))
     }
 }
 
 impl MorphShapeHit {
-    fn new((entity, triangle): (Entity, u32), impact: &ShapeImpact) -> Self {
+    fn new(entity: Entity, triangle: u32, impact: &ShapeImpact) -> Self {
         Self {
             entity,
             distance: impact.distance as f32,

@@ -50,7 +50,7 @@ pub(crate) struct Posed<'a> {
     pub(crate) level: Level,
 }
 
-/// BlendBuffers buffers for blending.
+/// Memory that blending reuses.
 #[derive(Clone, Default)]
 pub(super) struct BlendBuffers {
     corners: Vec<CornerLanes>,

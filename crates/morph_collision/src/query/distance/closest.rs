@@ -22,7 +22,7 @@ const TIES: u32 = 16_384;
 /// of the bodies' size, so the direction between them is accurate enough if the bodies are more than a thousandth of their size apart.
 const NO_CLOSER: f64 = 1.0 - 1e-9;
 
-/// The search for the closest pair of at most a distance.
+/// The search for the closest pair within a distance.
 pub(super) struct Closest {
     best: Best,
     repeats: [Repeats; 2],

@@ -100,7 +100,7 @@ impl RayProjection {
         [x as f32, y as f32, 0.0, 0.0]
     }
 
-    /// Projects corners in model space, in world_from_model: replaces their first two coordinates.
+    /// Projects corners in model space, in place: replaces their first two coordinates.
     #[inline(always)]
     fn project_lanes<S: Simd>(&self, simd: S, corners: &mut CornerLanes) {
         for rows in corners {

@@ -154,13 +154,16 @@ impl OverlapWalk {
         front
     }
 
+    /// The loop of the walk:
+    ///
     /// ```text
-    /// push each pair of the front whose boxes overlap
-    /// while a pair is left, in the given order:
-    ///     two leaves                     -> pass them on, many at a time or one by one
-    ///     A is a leaf or B is larger     -> B's children that overlap A, each with A
-    ///     B is a leaf or A is larger     -> A's children that overlap B, each with B
-    ///     both are of about the same size -> for each child of A that overlaps B: B's children that overlap it, each with it
+    /// for each pair of nodes in the front whose boxes overlap:
+    ///     push it
+    ///     while a pair is left, take the next one in the given order:
+    ///         both are leaves              -> pass them on, many at a time or one by one
+    ///         B is a leaf or A is larger   -> push A's children that overlap B, each with B
+    ///         A is a leaf or B is larger   -> push B's children that overlap A, each with A
+    ///         they are about equally large -> for each child of A that overlaps B, push B's children that overlap it, each with it
     /// ```
     ///
     /// Boxes are compared in every frame, eight at once; those that overlap there again in time if they move ([`MappedBoxes::meet`]), and

@@ -25,7 +25,7 @@ use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::physics;
 #[cfg(feature = "render")]
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 /// A character that walks, talks, crouches and waves, is hit by rays and kicks crates.
 #[derive(Parser)]
@@ -95,7 +95,7 @@ fn shoot(
 fn run(options: &Options) -> Result<(), ExampleError> {
     if options.output.is_drawn("character")? {
         #[cfg(feature = "render")]
-        return view::run(show(), &options.output.view);
+        return view::run(demo(), &options.output.view);
     }
     let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
     let mut app = app::without_collisions(assets);
@@ -121,8 +121,8 @@ fn run(options: &Options) -> Result<(), ExampleError> {
 /// The CC0 character.
 #[cfg(feature = "render")]
 #[must_use]
-pub fn show() -> Show {
-    Show {
+pub fn demo() -> Demo {
+    Demo {
         name: "character",
         about: "A skinned and morphed character: rays stick to its skin, crates feel its feet, and its hand on its face is red.",
         keys: &[("click", "sticks a dart to the skin"), ("X", "removes the darts")],

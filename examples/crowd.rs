@@ -18,7 +18,7 @@ use morph_collision_workspace::instances::{Instances, in_crowd};
 use morph_collision_workspace::options::{OutputOptions, percentage};
 use morph_collision_workspace::outcome::{exit_code, print_report, progress_bar};
 #[cfg(feature = "render")]
-use morph_collision_workspace::view::{self, Show, clock::Clock, clock::started, group::Group, group::Member};
+use morph_collision_workspace::view::{self, Demo, clock::Clock, clock::started, group::Group, group::Member};
 
 /// Time a crowd of morphing bodies: idle, apart and dense.
 #[derive(Parser)]
@@ -49,7 +49,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     let file = app::locate(options.model.as_deref().unwrap_or(Path::new(dolphin)))?;
     if options.output.is_drawn("crowd")? {
         #[cfg(feature = "render")]
-        return view::run(show(&file, count, options.model.is_some()), &options.output.view);
+        return view::run(demo(&file, count, options.model.is_some()), &options.output.view);
     }
     // It has the collision plugin. Each instance gets a `MorphColliderScene`.
     let mut app = app::headless(file.parent().unwrap_or(&file));
@@ -113,10 +113,10 @@ fn time(app: &mut App, instances: &Instances, frames: u32, spacing: Option<f32>,
 /// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` model is not a dolphin.
 #[cfg(feature = "render")]
 #[must_use]
-pub fn show(model: &Path, count: usize, foreign: bool) -> Show {
+pub fn demo(model: &Path, count: usize, foreign: bool) -> Demo {
     let group = Group::new(model, count, foreign);
     let side = (count as f32).cbrt().ceil();
-    Show {
+    Demo {
         name: "crowd",
         about: "Everyone may touch everyone; only those near each other are compared.",
         keys: &[],

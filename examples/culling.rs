@@ -19,7 +19,7 @@ use morph_collision_workspace::view::arms::{self, RADIUS, REACH};
 use morph_collision_workspace::view::clock::{Clock, started};
 use morph_collision_workspace::view::halves::{self, Half};
 use morph_collision_workspace::view::stage::Notes;
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 /// Number of arms that reach into the picture.
 const ARMS: usize = 4;
@@ -33,13 +33,13 @@ struct Arm(usize);
 struct Hand(usize);
 
 fn main() -> ExitCode {
-    view::main(show())
+    view::main(demo())
 }
 
 /// Arms that reach into the picture from outside.
 #[must_use]
-pub fn show() -> Show {
-    Show {
+pub fn demo() -> Demo {
+    Demo {
         name: "culling",
         about: "Left: culled by Bevy's own boxes, those of the rest pose. Right: by boxes that follow morph targets and joints.",
         keys: &[("left half", "is where the mouse moves both cameras")],

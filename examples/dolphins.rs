@@ -20,7 +20,7 @@ use morph_collision_workspace::outcome::{exit_code, print, print_report, progres
 use morph_collision_workspace::report::Report;
 use morph_collision_workspace::touching::TouchingBodies;
 #[cfg(feature = "render")]
-use morph_collision_workspace::view::{self, Show, clock::*, group::*};
+use morph_collision_workspace::view::{self, Demo, clock::*, group::*};
 
 /// Morphing dolphins that swim as a group and touch now and then.
 ///
@@ -57,7 +57,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     let file = app::locate(&model)?;
     if options.output.is_drawn("dolphins")? {
         #[cfg(feature = "render")]
-        return view::run(show(&file, count, options.model.is_some()), &options.output.view);
+        return view::run(demo(&file, count, options.model.is_some()), &options.output.view);
     }
     let kind = if options.model.is_some() { "body" } else { "dolphin" };
 
@@ -99,9 +99,9 @@ const CLOSER: Vec3 = Vec3::new(1.0, 0.8, 0.8);
 /// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` model is not a dolphin.
 #[cfg(feature = "render")]
 #[must_use]
-pub fn show(model: &Path, count: usize, foreign: bool) -> Show {
+pub fn demo(model: &Path, count: usize, foreign: bool) -> Demo {
     let group = Group::new(model, count, foreign);
-    Show {
+    Demo {
         name: "dolphins",
         about: "Dolphins, morphed by the GPU, swim as a group. Touching triangles are red.",
         keys: &[],

@@ -17,7 +17,7 @@ use morph_collision_workspace::view::marks::Marks;
 use morph_collision_workspace::view::models::{ModelPart, ModelRoot};
 use morph_collision_workspace::view::pointer::{Clicks, Script, remove_by_key};
 use morph_collision_workspace::view::stage::Notes;
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 /// The motion of the mouth, repeated: how a target's name begins, cycles per second, phase at the start, and highest weight.
 const SPEECH: [(&str, f32, f32, f32); 6] = [
@@ -45,13 +45,13 @@ const PINS: [Vec3; 4] = [
 ];
 
 fn main() -> ExitCode {
-    view::main(show())
+    view::main(demo())
 }
 
 /// The CC0 head.
 #[must_use]
-pub fn show() -> Show {
-    Show {
+pub fn demo() -> Demo {
+    Demo {
         name: "face",
         about: "A head with eyes, teeth and tongue, 52 morph targets. Where it runs into itself is red.",
         keys: &[("click", "sticks a pin to the skin"), ("X", "removes the pins")],

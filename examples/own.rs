@@ -19,7 +19,7 @@ use morph_collision_workspace::physics::wobbling;
 use morph_collision_workspace::view::clock::{Clock, Pending};
 use morph_collision_workspace::view::group::{Extent, Idle, Member};
 use morph_collision_workspace::view::models::Plays;
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 /// Two copies of a model run into each other; touching triangles are red.
 #[derive(Parser)]
@@ -42,13 +42,13 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     }
-    exit_code(view::run(show(inbox, Verdict::default()), &options.view))
+    exit_code(view::run(demo(inbox, Verdict::default()), &options.view))
 }
 
 /// Two copies of the model that comes into the inbox.
 #[must_use]
-pub fn show(inbox: Inbox, verdict: Verdict) -> Show {
-    Show {
+pub fn demo(inbox: Inbox, verdict: Verdict) -> Demo {
+    Demo {
         name: "own",
         about: "Two copies of your model run into each other. Touching triangles are red.",
         keys: &[],

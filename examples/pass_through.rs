@@ -14,10 +14,10 @@ use morph_collision_models::scenes::pass_through as way;
 use morph_collision_workspace::view::clock::{Clock, FRACTIONS, started};
 use morph_collision_workspace::view::models::scene;
 use morph_collision_workspace::view::stage::Notes;
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 fn main() -> ExitCode {
-    view::main(show())
+    view::main(demo())
 }
 
 #[derive(Component)]
@@ -25,8 +25,8 @@ struct Side(usize);
 
 /// The paper's first experiment.
 #[must_use]
-pub fn show() -> Show {
-    Show {
+pub fn demo() -> Demo {
+    Demo {
         name: "pass_through",
         about: "Two bodies of 20480 triangles morph while they pass through each other.",
         keys: &[],

@@ -20,7 +20,7 @@ use morph_collision_workspace::heaving::{self, Game, Hill, MODEL, Player, RATE, 
 use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report, progress_bar};
 #[cfg(feature = "render")]
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 /// A player walks on a heaving hill while balls and boxes rain down.
 #[derive(Parser)]
@@ -85,7 +85,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     };
     if options.output.is_drawn("physics")? {
         #[cfg(feature = "render")]
-        return view::run(show(game), &options.output.view);
+        return view::run(demo(game), &options.output.view);
     }
     let mut app = begin(game)?;
     let progress = progress_bar(options.frames.into());
@@ -121,8 +121,8 @@ fn begin(game: Game) -> Result<App, ExampleError> {
 /// The game, drawn.
 #[cfg(feature = "render")]
 #[must_use]
-pub fn show(game: Game) -> Show {
-    Show {
+pub fn demo(game: Game) -> Demo {
+    Demo {
         name: "physics",
         about: "A hill rises and falls with a clip from a glTF file: it carries who walks on it, and throws what falls on it. \
             Physics in fixed steps, by Rapier.",

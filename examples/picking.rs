@@ -19,16 +19,16 @@ use morph_collision_workspace::view::marks::Marks;
 use morph_collision_workspace::view::models::{ModelPart, ModelRoot, Plays, scene};
 use morph_collision_workspace::view::pointer::{Clicks, Cue, Script};
 use morph_collision_workspace::view::stage::Notes;
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 fn main() -> ExitCode {
-    view::main(show())
+    view::main(demo())
 }
 
 /// Models that can be hovered and clicked.
 #[must_use]
-pub fn show() -> Show {
-    Show {
+pub fn demo() -> Demo {
+    Demo {
         name: "picking",
         about: "Point at a model: the arrow stands on the triangle that is hit, as it is morphed and posed now.",
         keys: &[("click", "paints the model")],

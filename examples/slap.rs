@@ -18,7 +18,7 @@ use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::slap::{self, Felt, Mark, Moment, PERIOD, Report, Role, Side, TICK, Tally};
 #[cfg(feature = "render")]
-use morph_collision_workspace::view::{self, Show};
+use morph_collision_workspace::view::{self, Demo};
 
 /// A slap between two frames, with a discrete and with a continuous collider.
 #[derive(Parser)]
@@ -95,7 +95,7 @@ fn feel(
 fn run(options: &Options) -> Result<(), ExampleError> {
     if options.output.is_drawn("slap")? {
         #[cfg(feature = "render")]
-        return view::run(show(), &options.output.view);
+        return view::run(demo(), &options.output.view);
     }
     let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
     let mut app = app::without_collisions(assets);
@@ -122,8 +122,8 @@ struct Ready(usize);
 /// Two pairs of the CC0 character.
 #[cfg(feature = "render")]
 #[must_use]
-pub fn show() -> Show {
-    Show {
+pub fn demo() -> Demo {
+    Demo {
         name: "slap",
         about: "A slap at ten frames a second: lines join the places of the hand in two frames. Left: discrete. Right: continuous.",
         keys: &[],

@@ -6,7 +6,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! shows > character, heaving, own, slap > report, view > crowd, instances, physics > app, options > costs, drawn, error, outcome, touching
+//! demos > character, heaving, own, slap > report, view > crowd, instances, physics > app, options > costs, drawn, error, outcome, touching
 //! ```
 // Systems need many parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
@@ -18,6 +18,8 @@ pub mod app;
 pub mod character;
 pub mod costs;
 pub mod crowd;
+#[cfg(feature = "render")]
+pub mod demos;
 pub mod drawn;
 pub mod error;
 pub mod heaving;
@@ -28,8 +30,6 @@ pub mod outcome;
 pub mod own;
 pub mod physics;
 pub mod report;
-#[cfg(feature = "render")]
-pub mod shows;
 pub mod slap;
 pub mod touching;
 #[cfg(feature = "render")]

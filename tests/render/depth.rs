@@ -6,7 +6,7 @@ use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::pass_through_body_at;
-use morph_collision_workspace::view::Show;
+use morph_collision_workspace::view::Demo;
 use morph_collision_workspace::view::overlay::Overlay;
 
 use crate::support::{alone, character, count, drawn, is_red, offscreen, scene, skeleton};
@@ -19,7 +19,7 @@ const LITTLE: f32 = 0.0005;
 #[test]
 fn the_overlay_lies_on_the_drawn_surface() {
     let _alone = alone();
-    let show = scene(EYE, |app| {
+    let demo = scene(EYE, |app| {
         app.add_systems(
             Startup,
             |mut commands: Commands,
@@ -35,14 +35,14 @@ fn the_overlay_lies_on_the_drawn_surface() {
             },
         );
     });
-    lies_on_the_surface(show);
+    lies_on_the_surface(demo);
 }
 
 /// Two characters that stand in each other.
 #[test]
 fn the_overlay_lies_on_characters_that_are_skinned_and_morphed() {
     let _alone = alone();
-    let show = scene(EYE, |app| {
+    let demo = scene(EYE, |app| {
         app.add_systems(
             Startup,
             |mut commands: Commands,
@@ -62,15 +62,15 @@ fn the_overlay_lies_on_characters_that_are_skinned_and_morphed() {
             },
         );
     });
-    lies_on_the_surface(show);
+    lies_on_the_surface(demo);
 }
 
-fn lies_on_the_surface(show: Show) {
-    let mut show = offscreen(show, (480, 360));
+fn lies_on_the_surface(demo: Demo) {
+    let mut demo = offscreen(demo, (480, 360));
     let mut red = |towards: f32| {
-        show.app_mut().world_mut().resource_mut::<Overlay>().offset = EYE.normalize() * towards;
-        show.advance(1);
-        count(&show.picture().unwrap(), is_red)
+        demo.app_mut().world_mut().resource_mut::<Overlay>().offset = EYE.normalize() * towards;
+        demo.advance(1);
+        count(&demo.picture().unwrap(), is_red)
     };
     let (on_it, nearer, farther) = (red(0.0), red(LITTLE), red(-LITTLE));
     assert!(on_it > 200, "{on_it} pixels of overlay");

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::{random, rigid};
 use morph_collision_models::gltf::write::{Appearance, to_glb};
-use morph_collision_workspace::shows::{Inbox, Verdict, own};
+use morph_collision_workspace::demos::{Inbox, Verdict, own};
 use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::overlay::Overlay;
 use morph_collision_workspace::view::stage::Notes;
@@ -18,9 +18,9 @@ use crate::support::{alone, offscreen};
 
 const SIZE: (u32, u32) = (160, 90);
 
-/// The show with its first file, and access to its inbox and verdict.
+/// The demo with its first file, and access to its inbox and verdict.
 struct Own {
-    show: Offscreen,
+    demo: Offscreen,
     inbox: Inbox,
     verdict: Verdict,
 }
@@ -29,8 +29,8 @@ impl Own {
     fn new(name: &str, bytes: Vec<u8>) -> Self {
         let (inbox, verdict) = (Inbox::default(), Verdict::default());
         inbox.put(name.into(), bytes);
-        let show = offscreen(own(inbox.clone(), verdict.clone()), SIZE);
-        Self { show, inbox, verdict }
+        let demo = offscreen(own(inbox.clone(), verdict.clone()), SIZE);
+        Self { demo, inbox, verdict }
     }
 
     /// Puts a file into the inbox and waits for the verdict; returns the reason if it is refused.
@@ -38,7 +38,7 @@ impl Own {
         let number = self.verdict.now().number + 1;
         self.inbox.put(name.into(), bytes);
         for _ in 0..10_000 {
-            self.show.advance(1);
+            self.demo.advance(1);
             let judged = self.verdict.now();
             if judged.number == number {
                 assert_eq!(judged.name, name);
@@ -53,13 +53,13 @@ impl Own {
     }
 
     fn diagnostics(&mut self) -> MorphCollisionDiagnostics {
-        *self.show.app_mut().world().resource()
+        *self.demo.app_mut().world().resource()
     }
 
     /// Runs until the copies touch, which they do every eight seconds.
     fn until_they_touch(&mut self) {
         for _ in 0..600 {
-            self.show.advance(1);
+            self.demo.advance(1);
             if self.diagnostics().triangle_pairs > 0 {
                 return;
             }
@@ -73,14 +73,14 @@ impl Own {
             let knees = joints.iter().filter(|(name, _)| name.as_str() == "calf_l");
             knees.map(|(_, place)| place.rotation).collect()
         };
-        self.show.app_mut().world_mut().run_system_once(knees).unwrap()
+        self.demo.app_mut().world_mut().run_system_once(knees).unwrap()
     }
 
     fn weights(&mut self) -> Vec<Vec<f32>> {
         let all = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
             weights.iter().map(|weights| weights.weights().to_vec()).collect()
         };
-        self.show.app_mut().world_mut().run_system_once(all).unwrap()
+        self.demo.app_mut().world_mut().run_system_once(all).unwrap()
     }
 }
 
@@ -97,12 +97,12 @@ fn a_model_is_shown_twice_and_costs_less_than_a_refit_of_the_whole() {
     assert!(judged.report.unwrap().contains("jawOpen"));
     own.until_they_touch();
     assert_eq!(own.diagnostics().colliders, 2);
-    assert!(own.show.app_mut().world().resource::<Overlay>().triangles > 0);
+    assert!(own.demo.app_mut().world().resource::<Overlay>().triangles > 0);
     let before = own.weights();
-    own.show.advance(31);
+    own.demo.advance(31);
     assert_ne!(own.weights(), before, "without a clip, weights wave");
 
-    let notes = own.show.app_mut().world().resource::<Notes>().0.clone();
+    let notes = own.demo.app_mut().world().resource::<Notes>().0.clone();
     let vertices = |name: &str| -> f64 {
         let (_, line) = notes
             .iter()
@@ -122,18 +122,18 @@ fn a_skinned_model_plays_its_clip_and_runs_into_its_copy() {
     assert!(judged.shown && judged.error.is_none());
     own.until_they_touch();
     assert_eq!(own.diagnostics().colliders, 2);
-    assert!(own.show.app_mut().world().resource::<Overlay>().triangles > 0);
+    assert!(own.demo.app_mut().world().resource::<Overlay>().triangles > 0);
     // Its joints move it; each copy has its own skeleton.
     let first = own.knees();
     let mut most = [0.0_f32; 2];
     for _ in 0..4 {
-        own.show.advance(11);
+        own.demo.advance(11);
         for ((most, first), now) in most.iter_mut().zip(&first).zip(own.knees()) {
             *most = most.max(first.angle_between(now));
         }
     }
     assert!(first.len() == 2 && most.iter().all(|&most| most > 0.2), "{most:?}");
-    let notes = own.show.app_mut().world().resource::<Notes>().0.clone();
+    let notes = own.demo.app_mut().world().resource::<Notes>().0.clone();
     assert!(notes.iter().any(|(name, _)| *name == "not compared"), "{notes:?}");
 }
 
@@ -145,7 +145,7 @@ fn a_bad_file_is_refused_and_the_model_before_it_stays() {
     let mut refused = |name: &str, bytes: Vec<u8>| {
         let error = own.bring(name, bytes).unwrap_err();
         assert!(error.starts_with(name) && !error.contains('\n'), "{error}");
-        let notes = own.show.app_mut().world().resource::<Notes>().0.clone();
+        let notes = own.demo.app_mut().world().resource::<Notes>().0.clone();
         assert!(notes.contains(&("refused", error.clone())), "{notes:?}");
         error
     };

@@ -1,4 +1,4 @@
-//! The state that a web page gets from a show, and touch input.
+//! The state that a web page gets from a demo, and touch input.
 
 use std::collections::BTreeMap;
 
@@ -21,15 +21,15 @@ const SIZE: (u32, u32) = (320, 180);
 #[test]
 fn a_page_is_told_what_the_show_is_at() {
     let _alone = alone();
-    let mut show = offscreen(shows::pass_through(), SIZE);
+    let mut demo = offscreen(demos::pass_through(), SIZE);
     let told = Told::default();
-    page::plugin(show.app_mut().insert_resource(told.clone()));
-    show.jump(100);
-    show.advance(4);
+    page::plugin(demo.app_mut().insert_resource(told.clone()));
+    demo.jump(100);
+    demo.advance(4);
     let state = told.now();
-    let diagnostics = *show.app_mut().world().resource::<MorphCollisionDiagnostics>();
-    assert_eq!((state.show, state.started, state.drawn), ("pass_through", true, 4));
-    assert_eq!(state.frame, frame(&mut show));
+    let diagnostics = *demo.app_mut().world().resource::<MorphCollisionDiagnostics>();
+    assert_eq!((state.demo, state.started, state.drawn), ("pass_through", true, 4));
+    assert_eq!(state.frame, frame(&mut demo));
     assert_eq!((state.colliders, state.touching, state.events), (2, 1, 1));
     assert!(state.triangle_pairs > 0 && state.red > 0);
     assert_eq!(state.triangle_pairs, diagnostics.triangle_pairs);
@@ -40,60 +40,60 @@ fn a_page_is_told_what_the_show_is_at() {
 #[test]
 fn a_page_sets_weights_and_gives_them_back() {
     let _alone = alone();
-    let mut show = offscreen(shows::pass_through(), SIZE);
+    let mut demo = offscreen(demos::pass_through(), SIZE);
     let (told, hand) = (Told::default(), Hand::default());
     page::plugin(
-        show.app_mut()
+        demo.app_mut()
             .insert_resource(told.clone())
             .insert_resource(hand.clone()),
     );
-    show.jump(100);
-    show.advance(2);
+    demo.jump(100);
+    demo.advance(2);
     let own = told.now();
     assert_eq!(own.targets.len(), own.weights.len());
     let by_hand = vec![0.25, -0.5];
     hand.set(Some(by_hand.clone()));
-    show.advance(2);
+    demo.advance(2);
     assert_eq!(told.now().weights, by_hand);
     assert!(told.now().in_hand);
     let models = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
         weights.iter().map(|weights| weights.weights().to_vec()).collect()
     };
-    let drawn = show.app_mut().world_mut().run_system_once(models).unwrap();
+    let drawn = demo.app_mut().world_mut().run_system_once(models).unwrap();
     assert!(
         !drawn.is_empty() && drawn.iter().all(|weights| *weights == by_hand),
         "{drawn:?}"
     );
     hand.set(None);
-    show.advance(2);
+    demo.advance(2);
     assert_ne!(told.now().weights, by_hand);
     // Another model takes the place of the one that they are for.
     hand.set(Some(by_hand));
-    show.advance(2);
-    show.app_mut().insert_resource(Sliders::default());
-    show.advance(2);
+    demo.advance(2);
+    demo.app_mut().insert_resource(Sliders::default());
+    demo.advance(2);
     assert!(!told.now().in_hand);
     assert_eq!(told.now().targets, own.targets);
 }
 
 /// The materials of all models that can be clicked.
-fn materials(show: &mut Offscreen) -> BTreeMap<Entity, AssetId<StandardMaterial>> {
+fn materials(demo: &mut Offscreen) -> BTreeMap<Entity, AssetId<StandardMaterial>> {
     let all = |drawn: Query<(Entity, &MeshMaterial3d<StandardMaterial>), With<MorphCollider>>| -> BTreeMap<_, _> {
         drawn
             .iter()
             .map(|(entity, material)| (entity, material.0.id()))
             .collect()
     };
-    show.app_mut().world_mut().run_system_once(all).unwrap()
+    demo.app_mut().world_mut().run_system_once(all).unwrap()
 }
 
 /// Presses a pointer at one place, moves it to another, and releases it.
-fn stroke(show: &mut Offscreen, from: Vec2, to: Vec2) {
+fn stroke(demo: &mut Offscreen, from: Vec2, to: Vec2) {
     let pointer = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(7));
-    let world = show.app_mut().world_mut();
+    let world = demo.app_mut().world_mut();
     let mut cameras = world.query_filtered::<&bevy::camera::RenderTarget, With<StageCamera>>();
     let bevy::camera::RenderTarget::Image(image) = cameras.single(world).unwrap().clone() else {
-        panic!("the show is drawn into an image");
+        panic!("the demo is drawn into an image");
     };
     world.spawn(pointer);
     let button = PointerButton::Primary;
@@ -107,24 +107,24 @@ fn stroke(show: &mut Offscreen, from: Vec2, to: Vec2) {
             target: NormalizedRenderTarget::Image(image.clone()),
             position,
         };
-        let world = show.app_mut().world_mut();
+        let world = demo.app_mut().world_mut();
         world.write_message(PointerInput::new(pointer, location, action));
-        show.advance(2);
+        demo.advance(2);
     }
 }
 
 #[test]
 fn a_click_paints_and_a_drag_does_not() {
     let _alone = alone();
-    let mut show = offscreen(shows::picking(), SIZE);
-    show.advance(4);
+    let mut demo = offscreen(demos::picking(), SIZE);
+    demo.advance(4);
     // On the body in the middle.
     let at = Vec2::new(175.0, 85.0);
-    let before = materials(&mut show);
-    stroke(&mut show, at, at + Vec2::X * 20.0);
-    assert_eq!(materials(&mut show), before, "a drag that ends on the model");
-    stroke(&mut show, at, at + Vec2::X * 3.0);
-    let after = materials(&mut show);
+    let before = materials(&mut demo);
+    stroke(&mut demo, at, at + Vec2::X * 20.0);
+    assert_eq!(materials(&mut demo), before, "a drag that ends on the model");
+    stroke(&mut demo, at, at + Vec2::X * 3.0);
+    let after = materials(&mut demo);
     let painted = before.iter().filter(|&(entity, color)| after[entity] != *color).count();
     assert_eq!(painted, 1, "a click of a hand that is not quite still");
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 use morph_collision_workspace::shows;
-use morph_collision_workspace::view::Show;
+use morph_collision_workspace::view::Demo;
 use morph_collision_workspace::view::overlay::Overlay;
 
 use crate::support::{alone, count, is_red, offscreen};
@@ -15,13 +15,13 @@ const SIZE: (u32, u32) = (320, 180);
 /// A difference in a colour value, out of 255, that is visible.
 const NOTICED: u8 = 24;
 
-/// Compares a frame of a show with the stored picture, or stores it if the environment says so.
-fn compare(name: &str, show: Show, frame: u32) {
+/// Compares a frame of a demo with the stored picture, or stores it if the environment says so.
+fn compare(name: &str, demo: Demo, frame: u32) {
     let _alone = alone();
-    let mut show = offscreen(show, SIZE);
-    show.jump(frame - 2);
-    show.advance(2);
-    let picture = show.picture().unwrap();
+    let mut demo = offscreen(demo, SIZE);
+    demo.jump(frame - 2);
+    demo.advance(2);
+    let picture = demo.picture().unwrap();
     let path = folder().join(format!("{name}.png"));
     if std::env::var_os("MORPH_COLLISION_STORE_REFERENCES").is_some() {
         picture.save(&path).unwrap();
@@ -69,40 +69,40 @@ fn noticed(a: &RgbImage, b: &RgbImage) -> f64 {
 
 #[test]
 fn dolphins() {
-    compare("dolphins", shows::dolphins(Path::new("dolphin_564.glb"), 12, false), 60);
+    compare("dolphins", demos::dolphins(Path::new("dolphin_564.glb"), 12, false), 60);
 }
 
 #[test]
 fn pass_through() {
-    compare("pass_through", shows::pass_through(), 120);
+    compare("pass_through", demos::pass_through(), 120);
 }
 
 #[test]
 fn face() {
-    compare("face", shows::face(), 60);
+    compare("face", demos::face(), 60);
 }
 
 #[test]
 fn a_missing_overlay_is_another_picture() {
     let _alone = alone();
-    let mut show = offscreen(shows::pass_through(), SIZE);
-    show.jump(118);
-    show.advance(2);
-    let with = show.picture().unwrap();
-    show.app_mut().world_mut().resource_mut::<Overlay>().shown = false;
-    show.advance(2);
-    let without = show.picture().unwrap();
+    let mut demo = offscreen(demos::pass_through(), SIZE);
+    demo.jump(118);
+    demo.advance(2);
+    let with = demo.picture().unwrap();
+    demo.app_mut().world_mut().resource_mut::<Overlay>().shown = false;
+    demo.advance(2);
+    let without = demo.picture().unwrap();
     assert!(!is_alike(&with, &without), "the comparison would not notice");
 }
 
 #[test]
 fn another_moment_is_another_picture() {
     let _alone = alone();
-    let mut show = offscreen(shows::pass_through(), SIZE);
-    show.jump(118);
-    show.advance(2);
-    let then = show.picture().unwrap();
-    show.advance(8);
-    let later = show.picture().unwrap();
+    let mut demo = offscreen(demos::pass_through(), SIZE);
+    demo.jump(118);
+    demo.advance(2);
+    let then = demo.picture().unwrap();
+    demo.advance(8);
+    let later = demo.picture().unwrap();
     assert!(!is_alike(&then, &later), "the comparison would not notice eight frames");
 }

@@ -32,7 +32,7 @@ fn compare_once_seen(
 ) {
     let _alone = alone();
     let (own, joints) = (weights.to_vec(), joints.to_vec());
-    let show = scene(eye, move |app| {
+    let demo = scene(eye, move |app| {
         app.add_systems(
             Startup,
             move |mut commands: Commands,
@@ -48,16 +48,16 @@ fn compare_once_seen(
             },
         );
     });
-    let mut show = offscreen(show, SIZE);
-    show.advance(3);
+    let mut demo = offscreen(demo, SIZE);
+    demo.advance(3);
     let appear = |mut hidden: Query<&mut Visibility, With<MorphCollider>>| {
         hidden
             .iter_mut()
             .for_each(|mut visibility| *visibility = Visibility::Visible);
     };
-    show.app_mut().world_mut().run_system_once(appear).unwrap();
-    show.advance(3);
-    let picture = show.picture().unwrap();
+    demo.app_mut().world_mut().run_system_once(appear).unwrap();
+    demo.advance(3);
+    let picture = demo.picture().unwrap();
 
     let near = |x: f32, y: f32| {
         let around = |v: f32, size: u32| {
@@ -65,7 +65,7 @@ fn compare_once_seen(
         };
         around(x, SIZE.0).flat_map(move |x| around(y, SIZE.1).map(move |y| (x, y)))
     };
-    let (vertices, pixels) = show
+    let (vertices, pixels) = demo
         .app_mut()
         .world_mut()
         .run_system_once(

@@ -15,7 +15,7 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::view::models::with_normals;
 use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::stage::BACKGROUND;
-use morph_collision_workspace::view::{Show, clock};
+use morph_collision_workspace::view::{Demo, clock};
 
 /// The colour of meshes made by [`drawn`].
 const PLAIN: Color = Color::srgb(0.1, 0.3, 0.5);
@@ -26,13 +26,13 @@ pub(crate) fn alone() -> MutexGuard<'static, ()> {
     RENDERER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A show of this scene with the plugins of this project, seen from `eye`.
-pub(crate) fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Show {
+/// A demo of this scene with the plugins of this project, seen from `eye`.
+pub(crate) fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Demo {
     let scene = |app: &mut App| {
         app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphPickingPlugin));
         scene(app);
     };
-    Show {
+    Demo {
         name: "test",
         about: "",
         keys: &[],
@@ -43,9 +43,9 @@ pub(crate) fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) ->
     }
 }
 
-/// The show without its panel, at its first frame.
-pub(crate) fn offscreen(show: Show, size: (u32, u32)) -> Offscreen {
-    Offscreen::new(show, size, true).unwrap()
+/// The demo without its panel, at its first frame.
+pub(crate) fn offscreen(demo: Demo, size: (u32, u32)) -> Offscreen {
+    Offscreen::new(demo, size, true).unwrap()
 }
 
 /// The skeleton of a mesh whose joints have these matrices.
@@ -130,7 +130,7 @@ pub(crate) fn count(picture: &RgbImage, is: impl Fn(&RgbImage, u32, u32) -> bool
         .count()
 }
 
-/// The show's current frame.
+/// The demo's current frame.
 pub(crate) fn frame(offscreen: &mut Offscreen) -> f64 {
     offscreen.app_mut().world().resource::<clock::Clock>().frame
 }

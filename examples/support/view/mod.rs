@@ -1,6 +1,6 @@
 //! Drawn examples: the GPU blends a model, and the overlay shows what the collision code computed.
 //!
-//! A [`Show`] is a scene and its description. It is put on a [`stage`] (camera, light, panel), and its [`clock`] runs: in a
+//! A [`Demo`] is a scene and its description. It is put on a [`stage`] (camera, light, panel), and its [`clock`] runs: in a
 //! window, off-screen into pictures (`run`), or on a web [`page`]. The scene adds the plugins of this project that it needs.
 
 pub mod arms;
@@ -44,10 +44,10 @@ pub use run::run;
 
 /// The main function of an example that has no options of its own.
 #[must_use]
-pub fn main(show: Show) -> ExitCode {
-    let command = ViewOptions::augment_args(Command::new(show.name).about(show.about));
+pub fn main(demo: Demo) -> ExitCode {
+    let command = ViewOptions::augment_args(Command::new(demo.name).about(demo.about));
     match ViewOptions::from_arg_matches(&command.get_matches()) {
-        Ok(options) => exit_code(run(show, &options)),
+        Ok(options) => exit_code(run(demo, &options)),
         Err(error) => error.exit(),
     }
 }
@@ -55,17 +55,17 @@ pub fn main(show: Show) -> ExitCode {
 /// A web page has no command line; it calls [`page::run`].
 #[cfg(target_arch = "wasm32")]
 #[allow(clippy::missing_errors_doc)]
-pub fn run(_: Show, _: &ViewOptions) -> Result<(), crate::error::ExampleError> {
+pub fn run(_: Demo, _: &ViewOptions) -> Result<(), crate::error::ExampleError> {
     Err(crate::error::ExampleError::NoDisplay)
 }
 
 /// A drawn example.
-pub struct Show {
+pub struct Demo {
     /// The base name of its pictures.
     pub name: &'static str,
     /// One sentence that describes it.
     pub about: &'static str,
-    /// Its own controls, beside those that all shows share: a key or button, and its effect.
+    /// Its own controls, beside those that all demos share: a key or button, and its effect.
     pub keys: &'static [(&'static str, &'static str)],
     /// The camera's position.
     pub eye: Vec3,
@@ -77,8 +77,8 @@ pub struct Show {
     pub scene: Box<dyn FnOnce(&mut App) + Send>,
 }
 
-impl std::fmt::Debug for Show {
+impl std::fmt::Debug for Demo {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Show").field("name", &self.name).finish_non_exhaustive()
+        f.debug_struct("Demo").field("name", &self.name).finish_non_exhaustive()
     }
 }

@@ -1,4 +1,4 @@
-//! A show without a window: runs frame by frame and takes pictures.
+//! A demo without a window: runs frame by frame and takes pictures.
 
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::winit::WinitPlugin;
 use image::RgbImage;
 
-use super::Show;
+use super::Demo;
 use super::clock::{Clock, Trouble};
 use super::files::Files;
 use super::pointer::{self, Script};
@@ -28,7 +28,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// Frames until something that newly comes into view is drawn correctly.
 const DRAWN: u32 = 4;
 
-/// A show that is drawn into an image.
+/// A demo that is drawn into an image.
 pub struct Offscreen {
     app: App,
     target: Handle<Image>,
@@ -41,11 +41,11 @@ impl std::fmt::Debug for Offscreen {
 }
 
 impl Offscreen {
-    /// A show at frame 0. `bare` hides the panel.
+    /// A demo at frame 0. `bare` hides the panel.
     ///
     /// # Errors
     /// There is no graphics driver, or a model cannot be loaded.
-    pub fn new(show: Show, size: (u32, u32), bare: bool) -> Result<Self, ExampleError> {
+    pub fn new(demo: Demo, size: (u32, u32), bare: bool) -> Result<Self, ExampleError> {
         if !stage::has_driver(wgpu::Backends::PRIMARY) {
             return Err(ExampleError::NoDriver);
         }
@@ -69,7 +69,7 @@ impl Offscreen {
             target: target.clone(),
             bare,
         };
-        stage::set(&mut app, show, place);
+        stage::set(&mut app, demo, place);
         app.add_plugins(pointer::plugin)
             .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
         app.finish();

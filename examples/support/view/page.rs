@@ -1,4 +1,4 @@
-//! A show on a web page: what the page passes in, and what it reports back.
+//! A demo on a web page: what the page passes in, and what it reports back.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -14,7 +14,7 @@ use super::sliders::Sliders;
 use super::stage::{Notes, Playbill};
 use super::volumes;
 
-/// The state of a show, for the page to display and for tests to check.
+/// The state of a demo, for the page to display and for tests to check.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct State {
     /// Its name.
@@ -37,7 +37,7 @@ pub struct State {
     pub events: u64,
     /// Whether it is paused.
     pub paused: bool,
-    /// How many seconds of the show pass in a second.
+    /// How many seconds of the demo pass in a second.
     pub speed: f32,
     /// The level of the bounding volumes that are drawn, if any are.
     pub volumes: Option<usize>,
@@ -51,7 +51,7 @@ pub struct State {
     pub touching_drawn: bool,
     /// What it counts and how long that takes: a name and a value in each line.
     pub counts: Vec<(&'static str, String)>,
-    /// Values that the show itself reports.
+    /// Values that the demo itself reports.
     pub notes: Vec<(&'static str, String)>,
     /// Why it cannot begin.
     pub trouble: Option<String>,
@@ -148,9 +148,9 @@ fn tell(
     };
 }
 
-/// Puts a show into the canvas that this CSS selector finds.
+/// Puts a demo into the canvas that this CSS selector finds.
 #[cfg(target_arch = "wasm32")]
-pub fn run(show: super::Show, canvas: &str, files: &super::files::Files, told: Told, hand: Hand) {
+pub fn run(demo: super::Demo, canvas: &str, files: &super::files::Files, told: Told, hand: Hand) {
     use super::stage::{self, Place};
 
     let window = Window {
@@ -160,7 +160,7 @@ pub fn run(show: super::Show, canvas: &str, files: &super::files::Files, told: T
     };
     let mut app = stage::app(stage::plugins(Some(window)), files);
     super::types::register(&mut app.world().resource::<AppTypeRegistry>().write());
-    stage::set(&mut app, show, Place::Window);
+    stage::set(&mut app, demo, Place::Window);
     app.insert_resource(told).insert_resource(hand).add_plugins(plugin);
     app.run();
 }

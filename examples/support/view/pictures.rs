@@ -1,4 +1,4 @@
-//! Writes a show's pictures into a folder.
+//! Writes a demo's pictures into a folder.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -12,20 +12,20 @@ use indicatif::ProgressBar;
 
 use super::offscreen::Offscreen;
 use super::overlay::Overlay;
-use super::{Show, stage, volumes};
+use super::{Demo, stage, volumes};
 use crate::app::STEP;
 use crate::error::ExampleError;
 use crate::options::{Animation, ViewOptions};
 
 /// Writes the requested pictures, `NAME_FRAME.png` and `NAME.gif`, and prints their paths.
-pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<(), ExampleError> {
+pub(super) fn write(demo: Demo, options: &ViewOptions, folder: &Path) -> Result<(), ExampleError> {
     let cannot =
         |path: &Path, error: &dyn std::fmt::Display| ExampleError::Picture(format!("{}: {error}", path.display()));
     std::fs::create_dir_all(folder).map_err(|error| cannot(folder, &error))?;
 
-    let name = show.name;
+    let name = demo.name;
     let stills = if options.at.is_empty() {
-        show.pictures.to_vec()
+        demo.pictures.to_vec()
     } else {
         options.at.clone()
     };
@@ -33,9 +33,9 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
     let mut wanted: Vec<u32> = stills.iter().chain(&moving).copied().collect();
     wanted.sort_unstable();
     wanted.dedup();
-    // A program has only one log, and an off-screen show does not set it up.
+    // A program has only one log, and an off-screen demo does not set it up.
     App::new().add_plugins(stage::log());
-    let mut offscreen = Offscreen::new(show, options.size, options.bare)?;
+    let mut offscreen = Offscreen::new(demo, options.size, options.bare)?;
     let mut film = match options.animate {
         Some(_) => Some(Film::create(&folder.join(format!("{name}.gif")))?),
         None => None,

@@ -1,6 +1,6 @@
-//! Runs a show as a program: in a window, or into pictures.
+//! Runs a demo as a program: in a window, or into pictures.
 
-use super::{Show, pictures, window};
+use super::{Demo, pictures, window};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
 
@@ -8,13 +8,13 @@ use crate::options::ViewOptions;
 ///
 /// # Errors
 /// There is no display for a window, there is no graphics driver, a model cannot be loaded, or a picture cannot be written.
-pub fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError> {
+pub fn run(demo: Demo, options: &ViewOptions) -> Result<(), ExampleError> {
     match &options.screenshots {
         Some(folder) => {
             leave_the_desktop();
-            pictures::write(show, options, folder)
+            pictures::write(demo, options, folder)
         }
-        None => window::run(show, options),
+        None => window::run(demo, options),
     }
 }
 

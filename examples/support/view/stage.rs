@@ -1,4 +1,4 @@
-//! The common base of all shows: Bevy with a renderer, a camera, light, and a background.
+//! The common base of all demos: Bevy with a renderer, a camera, light, and a background.
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 use bevy::asset::AssetMetaCheck;
@@ -15,16 +15,16 @@ use bevy_morph_collision::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 
 use super::files::Files;
-use super::{Show, clock, models, overlay, pointer, sliders, volumes};
+use super::{Demo, clock, models, overlay, pointer, sliders, volumes};
 
 /// The colour behind everything.
 pub const BACKGROUND: Color = Color::srgb(0.93, 0.95, 0.97);
 
-/// A show's description, for the panel.
+/// A demo's description, for the panel.
 #[derive(Resource, Clone, Debug)]
 #[cfg_attr(
     target_arch = "wasm32",
-    allow(dead_code, reason = "a page describes its show itself")
+    allow(dead_code, reason = "a page describes its demo itself")
 )]
 pub(super) struct Playbill {
     pub(super) name: &'static str,
@@ -34,15 +34,15 @@ pub(super) struct Playbill {
     pub(super) live: bool,
 }
 
-/// Lines that a show adds to the panel: a name and a value.
+/// Lines that a demo adds to the panel: a name and a value.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Notes(pub Vec<(&'static str, String)>);
 
-/// The camera that looks at the show.
+/// The camera that looks at the demo.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct StageCamera;
 
-/// Where the show is drawn.
+/// Where the demo is drawn.
 #[derive(Clone, Debug)]
 pub(super) enum Place {
     Window,
@@ -99,7 +99,7 @@ pub(super) fn plugins(window: Option<Window>) -> PluginGroupBuilder {
     DefaultPlugins.set(assets).set(windows).set(renderer).set(log())
 }
 
-/// An app with these plugins. The plugins of this project come with the show, except the one that draws bounding volumes.
+/// An app with these plugins. The plugins of this project come with the demo, except the one that draws bounding volumes.
 pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     let mut app = App::new();
     files.serve(&mut app);
@@ -107,8 +107,8 @@ pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     app
 }
 
-/// Puts a show on the stage.
-pub(super) fn set(app: &mut App, show: Show, place: Place) {
+/// Puts a demo on the stage.
+pub(super) fn set(app: &mut App, demo: Demo, place: Place) {
     let live = matches!(place, Place::Window);
     app.insert_resource(ClearColor(BACKGROUND))
         .insert_resource(GlobalAmbientLight {
@@ -116,9 +116,9 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
             ..default()
         })
         .insert_resource(Playbill {
-            name: show.name,
-            about: show.about,
-            keys: show.keys,
+            name: demo.name,
+            about: demo.about,
+            keys: demo.keys,
             live,
         })
         .init_resource::<Notes>()
@@ -141,13 +141,13 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     let gizmos = &mut app.world_mut().resource_mut::<GizmoConfigStore>();
     let (_, gizmos) = gizmos.config_mut::<MorphGizmos>();
     (gizmos.triangles, gizmos.contacts) = (None, None);
-    let (eye, target) = (show.eye, show.target);
+    let (eye, target) = (demo.eye, demo.target);
     app.add_systems(Startup, move |mut commands: Commands| {
         light(&mut commands);
         camera(&mut commands, eye, target, &place);
     })
     .add_systems(PostUpdate, widen.before(CameraUpdateSystems));
-    (show.scene)(app);
+    (demo.scene)(app);
 }
 
 /// The renderer on a web page supports one directional light. There, ambient light replaces the second one.

@@ -1,4 +1,4 @@
-//! A show in a window.
+//! A demo in a window.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,18 +6,18 @@ use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
 use super::stage::{self, Place};
-use super::{Show, clock::Trouble, files::Files, volumes};
+use super::{Demo, clock::Trouble, files::Files, volumes};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
 
-pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError> {
+pub(super) fn run(demo: Demo, options: &ViewOptions) -> Result<(), ExampleError> {
     if !has_display() {
         return Err(ExampleError::NoDisplay);
     }
     if !stage::has_driver(wgpu::Backends::all()) {
         return Err(ExampleError::NoDriver);
     }
-    let title = format!("morph_collision: {}", show.name);
+    let title = format!("morph_collision: {}", demo.name);
     let (width, height) = options.size;
     let window = Window {
         title,
@@ -25,7 +25,7 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
         ..default()
     };
     let mut app = stage::app(stage::plugins(Some(window)), &Files::default());
-    stage::set(&mut app, show, Place::Window);
+    stage::set(&mut app, demo, Place::Window);
     volumes::show_volumes(&mut app, options.volumes);
     // The app is gone after it has run; this remains.
     let trouble = Arc::new(OnceLock::new());

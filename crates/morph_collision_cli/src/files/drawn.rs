@@ -10,7 +10,7 @@ use crate::messages;
 use crate::messages::counted;
 
 /// Which meshes of a model are taken, unless one is named.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub(crate) struct DrawnArgs {
     /// Take what this scene of the file draws: its index, or its name.
     ///

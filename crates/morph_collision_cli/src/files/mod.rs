@@ -4,4 +4,4 @@ pub(crate) mod clip_files;
 pub(crate) mod clips;
 pub(crate) mod drawn;
 pub(crate) mod model;
-mod told_clips;
+mod warned_clips;

@@ -17,7 +17,7 @@ use morph_collision_models::scenes::Scene;
 use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
-use super::told_clips::ToldClips;
+use super::warned_clips::WarnedClips;
 use crate::error::CliError;
 use crate::files::drawn::note_if_not_drawn;
 use crate::messages;
@@ -27,7 +27,7 @@ use crate::messages::progress;
 pub(crate) const STANDARD: &str = "-";
 
 /// How far commands trust the files they read.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct FileArgs {
     /// The most memory that a file may take with everything that is built from it; for a scene, all its files together.
     ///
@@ -50,7 +50,7 @@ pub struct FileArgs {
     skip_bad: bool,
     /// What the user was told about clips.
     #[arg(skip)]
-    pub(crate) told: ToldClips,
+    pub(crate) told: WarnedClips,
 }
 
 impl FileArgs {

@@ -8,9 +8,9 @@ use morph_collision_models::mesh::Together;
 use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};
 use morph_collision_models::skeleton::Skeleton;
 
-use super::LintArgs;
 use super::members::Member;
 use super::one_mesh::{lend_clips, member, subject};
+use super::options::LintOptions;
 use super::subject::Subject;
 use crate::error::CliError;
 use crate::files::clip_files::ClipFiles;
@@ -25,7 +25,7 @@ use crate::messages;
 /// # Errors
 /// The meshes of a group take too much memory as one, or nothing moves any of the meshes.
 pub(super) fn characters(
-    args: &LintArgs,
+    options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
 ) -> Result<Vec<Subject>, CliError> {
@@ -34,7 +34,7 @@ pub(super) fn characters(
     let mut alone: HashMap<usize, Vec<usize>> = HashMap::new();
     let mut refused = Refused::default();
     let mut any_still = false;
-    let groups = groups(file, args.drawn.drawn(file)?);
+    let groups = groups(file, options.drawn.drawn(file)?);
     let is_only = groups.len() == 1;
     for group in groups {
         match group[..] {
@@ -46,7 +46,7 @@ pub(super) fn characters(
                 // Most meshes that are read twice are dropped, and what they took is free again.
                 let budget = file.budget();
                 let (read, left) = budget.lend(|| {
-                    let read = subject(args, clip_files, file, mesh, node, None);
+                    let read = subject(options, clip_files, file, mesh, node, None);
                     let read = read.and_then(|subject| match is_only {
                         true => Ok(subject),
                         false => check_parts(file, mesh, &subject.mesh).map(|()| subject),
@@ -64,7 +64,7 @@ pub(super) fn characters(
                     Err(error) => refused.tell(&error),
                 }
             }
-            _ => match character(args, clip_files, file, &group, &mut refused)? {
+            _ => match character(options, clip_files, file, &group, &mut refused)? {
                 Group::Moves(subject) => subjects.push(*subject),
                 Group::Still => any_still = true,
                 Group::Empty => {}
@@ -175,7 +175,7 @@ enum Group {
 
 /// All meshes of a group as one.
 fn character(
-    args: &LintArgs,
+    options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
     group: &[Drawn],
@@ -188,7 +188,14 @@ fn character(
         // What is left out of it depends on its skin, so it is read again for each node.
         let comes_again = !file.skips_bad() && group.get(place + 1).is_some_and(|next| next.mesh == drawn.mesh);
         let known = last.as_ref().filter(|(mesh, _)| *mesh == drawn.mesh);
-        match part(args, clip_files, file, drawn, known.map(|(_, mesh)| mesh), comes_again) {
+        match part(
+            options,
+            clip_files,
+            file,
+            drawn,
+            known.map(|(_, mesh)| mesh),
+            comes_again,
+        ) {
             Ok((part, whole)) => {
                 parts.push(part);
                 if let Some(whole) = whole {
@@ -255,7 +262,7 @@ fn character(
 
 /// Reads a part, or takes the mesh as it was read last. Also returns the mesh as it was read, if it comes again.
 fn part(
-    args: &LintArgs,
+    options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
     &Drawn { mesh: index, node, .. }: &Drawn,
@@ -280,8 +287,8 @@ fn part(
         (None, None) => Some(Skeleton::separate(1)),
         (Some(_), _) => None,
     };
-    let broken = read_clips(&args.files, file, index, node, &mut mesh, placement.as_ref());
-    lend_clips(args, clip_files, file, (index, node), &mut mesh, placement.as_mut())?;
+    let broken = read_clips(&options.files, file, index, node, &mut mesh, placement.as_ref());
+    lend_clips(options, clip_files, file, (index, node), &mut mesh, placement.as_mut())?;
     let (member, left_out) = member(file, index, node, &mut mesh)?;
     check_parts(file, index, &mesh)?;
     let part = Part {

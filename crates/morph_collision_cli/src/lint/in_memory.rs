@@ -7,7 +7,8 @@ use morph_collision_models::gltf::read::{GltfFile, ReadOptions};
 use morph_collision_models::memory;
 use morph_collision_models::text::Printable;
 
-use super::{EFFORT, LintArgs, MIXTURES, SEED, html, report_of};
+use super::options::LintOptions;
+use super::{html, report_of};
 use crate::error::CliError;
 use crate::messages::progress;
 
@@ -50,7 +51,7 @@ impl Lint {
             ..ReadOptions::default()
         };
         let file = GltfFile::parse(bytes, name, &options)?;
-        let report = report_of(&self.args(name.to_owned()), &file)?;
+        let report = report_of(&self.options(name.to_owned()), &file)?;
         Ok(LintPage {
             html: html::page(&report),
             findings: report.all().count(),
@@ -58,19 +59,15 @@ impl Lint {
         })
     }
 
-    fn args(self, model: PathBuf) -> LintArgs {
-        LintArgs {
+    fn options(self, model: PathBuf) -> LintOptions {
+        LintOptions {
+            model,
             pairs: self.pairs,
             suggest: self.suggest,
             prove: self.prove,
-            effort: EFFORT,
-            mixtures: MIXTURES,
-            seed: SEED,
+            pictures: true,
             threads: Some(NonZeroUsize::MIN),
-            // Asks for pictures; no file is written.
-            html: Some(model.clone()),
-            model,
-            ..LintArgs::default()
+            ..LintOptions::default()
         }
     }
 }

@@ -5,9 +5,9 @@ use std::path::Path;
 use morph_collision_models::gltf::read::GltfFile;
 use morph_collision_models::mesh::MorphMesh;
 
-use super::LintArgs;
 use super::character::characters;
 use super::one_mesh::{Garment, subject};
+use super::options::LintOptions;
 use super::poses::Tried;
 use super::subject::Subject;
 use crate::error::CliError;
@@ -17,26 +17,26 @@ use crate::files::clips::NoClip;
 use crate::messages;
 
 /// The meshes to try. Without `--mesh`, meshes that cannot collide, or not wear the garment, are left out with a warning.
-pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>, CliError> {
-    let garment = args.garment.as_ref();
-    let garment = garment.map(|path| Garment::read(args, path, file)).transpose()?;
-    let mut clip_files = ClipFiles::new(&args.files, file.budget(), Path::new(""));
-    for clip in &args.clip {
+pub(super) fn subjects(options: &LintOptions, file: &GltfFile) -> Result<Vec<Subject>, CliError> {
+    let garment = options.garment.as_ref();
+    let garment = garment.map(|path| Garment::read(options, path, file)).transpose()?;
+    let mut clip_files = ClipFiles::new(&options.files, file.budget(), Path::new(""));
+    for clip in &options.clip {
         let opened = clip_files.open(clip, file);
         opened.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
     }
     let mut subjects = Vec::new();
-    let indices = match &args.mesh {
+    let indices = match &options.mesh {
         Some(choice) => {
             let found = choice.find(file);
             vec![found.map_err(|reason| CliError::Flag { flag: "--mesh", reason })?]
         }
         None if garment.is_none() => {
-            subjects = characters(args, &mut clip_files, file)?;
+            subjects = characters(options, &mut clip_files, file)?;
             Vec::new()
         }
         None => {
-            let mut drawn: Vec<usize> = args.drawn.drawn(file)?.iter().map(|drawn| drawn.mesh).collect();
+            let mut drawn: Vec<usize> = options.drawn.drawn(file)?.iter().map(|drawn| drawn.mesh).collect();
             drawn.dedup();
             drawn
         }
@@ -45,12 +45,12 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
         let is_garment = garment
             .as_ref()
             .is_some_and(|garment| garment.is_in_model && garment.index == index);
-        if is_garment && args.mesh.is_none() {
+        if is_garment && options.mesh.is_none() {
             continue;
         }
-        match subject(args, &mut clip_files, file, index, None, garment.as_ref()) {
+        match subject(options, &mut clip_files, file, index, None, garment.as_ref()) {
             Ok(subject) => subjects.push(subject),
-            Err(error) if args.mesh.is_some() => return Err(error),
+            Err(error) if options.mesh.is_some() => return Err(error),
             Err(error) => messages::complain(format_args!("warning: left out: {error}")),
         }
     }
@@ -61,22 +61,22 @@ pub(super) fn subjects(args: &LintArgs, file: &GltfFile) -> Result<Vec<Subject>,
             None => "it has no mesh that can collide",
         };
         return Err(CliError::NoUsableMesh {
-            file: args.model.clone(),
+            file: options.model.clone(),
             reason: reason.to_owned(),
         });
     }
-    check_clips(args, &clip_files, file, &subjects)?;
+    check_clips(options, &clip_files, file, &subjects)?;
     Ok(subjects)
 }
 
 /// An error if no subject has one of the clips that are asked for, or if it cannot be played.
 fn check_clips(
-    args: &LintArgs,
+    options: &LintOptions,
     clip_files: &ClipFiles<'_>,
     file: &GltfFile,
     subjects: &[Subject],
 ) -> Result<(), CliError> {
-    for clip in &args.clip {
+    for clip in &options.clip {
         let found = subjects
             .iter()
             .map(|subject| clip_files.find(clip, file, &subject.mesh, None, &subject.broken));
@@ -104,9 +104,15 @@ pub(super) fn shape_words(shape: &Tried, mesh: &MorphMesh) -> String {
 }
 
 /// The error for a shape that the mesh does not allow.
-pub(super) fn refused(args: &LintArgs, index: usize, mesh: &MorphMesh, shape: String, reason: PoseError) -> CliError {
+pub(super) fn refused(
+    options: &LintOptions,
+    index: usize,
+    mesh: &MorphMesh,
+    shape: String,
+    reason: PoseError,
+) -> CliError {
     CliError::Shape {
-        file: args.model.clone(),
+        file: options.model.clone(),
         mesh: index,
         name: mesh.name.clone(),
         shape,

@@ -15,6 +15,7 @@ mod input;
 mod members;
 mod mixtures;
 mod one_mesh;
+mod options;
 mod parts;
 mod picture;
 mod poses;
@@ -46,16 +47,10 @@ use crate::output::file::OutputFile;
 use crate::scene::fps;
 use crate::touching::depth::ThresholdArgs;
 use baseline::Baseline;
+use options::LintOptions;
 use report::LintReport;
 
 pub use in_memory::{Lint, LintPage};
-
-/// The default number of random mixtures.
-const MIXTURES: usize = 100;
-/// The default random seed.
-const SEED: u64 = 1;
-/// The default for the parts of the box of all weights that a proof looks at.
-const EFFORT: u32 = 1;
 
 const EXAMPLES: &str = "Examples:
   Which sliders make a face run into itself, alone or two at a time, and how far can they go?
@@ -84,7 +79,7 @@ const EXAMPLES: &str = "Examples:
 /// Triangles of a skinned mesh with a vertex without joint weights are left out with a warning.
 ///
 /// The exit code is 1 if there are findings that the baseline does not have, and 2 if there was nothing to try. All shapes that are tried are exact, but others may clip, too.
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct LintArgs {
     /// A .glb or .gltf file; - reads a .glb from standard input.
@@ -103,10 +98,10 @@ pub(crate) struct LintArgs {
     #[arg(long, value_name = "WEIGHTS.csv")]
     capture: Vec<PathBuf>,
     /// Number of random mixtures: two to five targets, or weights near those of a random frame of the clips and captures.
-    #[arg(long, value_name = "N", default_value_t = MIXTURES)]
+    #[arg(long, value_name = "N", default_value_t = LintOptions::MIXTURES)]
     mixtures: usize,
     /// Random seed; the same seed gives the same mixtures.
-    #[arg(long, value_name = "S", default_value_t = SEED)]
+    #[arg(long, value_name = "S", default_value_t = LintOptions::SEED)]
     seed: u64,
     /// Play only this animation: its name or its index, or FILE#NAME for an animation of another file (see `morph-collide query --help`). Can
     /// be repeated; by default, all animations are played.
@@ -139,7 +134,7 @@ pub(crate) struct LintArgs {
     #[arg(long)]
     prove: bool,
     /// How many parts of the box of all weights the proof looks at for each pair of triangles; more parts find more weights that clip.
-    #[arg(long, value_name = "N", default_value_t = EFFORT, requires = "prove")]
+    #[arg(long, value_name = "N", default_value_t = LintOptions::EFFORT, requires = "prove")]
     effort: u32,
     /// Write a page with a table and a picture of each finding.
     #[arg(long, value_name = "OUT.html")]
@@ -162,6 +157,34 @@ pub(crate) struct LintArgs {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
+}
+
+impl LintArgs {
+    /// What to try, without what is done with the result.
+    fn options(&self) -> LintOptions {
+        LintOptions {
+            model: self.model.clone(),
+            mesh: self.mesh.clone(),
+            drawn: self.drawn.clone(),
+            pairs: self.pairs,
+            capture: self.capture.clone(),
+            mixtures: self.mixtures,
+            seed: self.seed,
+            clip: self.clip.clone(),
+            is_loop: self.is_loop,
+            fps: self.fps.unwrap_or(LintOptions::FPS),
+            suggest: self.suggest,
+            garment: self.garment.clone(),
+            garment_mesh: self.garment_mesh.clone(),
+            prove: self.prove,
+            effort: self.effort,
+            pictures: self.html.is_some(),
+            threads: self.threads,
+            thresholds: self.thresholds,
+            tree: self.tree.build(),
+            files: self.files.clone(),
+        }
+    }
 }
 
 /// Tries all shapes of all meshes and reports.
@@ -200,7 +223,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
         let reason = "only the model can be read from standard input".to_owned();
         return Err(CliError::Flag { flag, reason });
     }
-    let mut report = report_of(args, &file)?;
+    let mut report = report_of(&args.options(), &file)?;
     if let Some(baseline) = &baseline {
         for mesh in &mut report.meshes {
             for finding in &mut mesh.findings {
@@ -228,7 +251,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
 }
 
 /// Tries all shapes of the meshes of an open file. There must be any.
-fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
+fn report_of(options: &LintOptions, file: &GltfFile) -> Result<LintReport, CliError> {
     for expression in file.expressions() {
         for problem in &expression.problems {
             messages::complain(format_args!(
@@ -237,18 +260,18 @@ fn report_of(args: &LintArgs, file: &GltfFile) -> Result<LintReport, CliError> {
             ));
         }
     }
-    let subjects = input::subjects(args, file)?;
+    let subjects = input::subjects(options, file)?;
     let mut report = LintReport {
-        model: args.model.clone(),
-        thresholds: args.thresholds,
+        model: options.model.clone(),
+        thresholds: options.thresholds,
         meshes: Vec::with_capacity(subjects.len()),
     };
     for subject in &subjects {
-        report.meshes.push(work::lint_mesh(args, file, subject)?);
+        report.meshes.push(work::lint_mesh(options, file, subject)?);
     }
     match report.shapes() {
         0 => Err(CliError::NothingTried {
-            file: args.model.clone(),
+            file: options.model.clone(),
         }),
         _ => Ok(report),
     }

@@ -8,8 +8,8 @@ use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::skeleton::Skeleton;
 use morph_collision_models::text::Printable;
 
-use super::LintArgs;
 use super::members::Member;
+use super::options::LintOptions;
 use super::subject::Subject;
 use crate::error::CliError;
 use crate::files::clip_files::ClipFiles;
@@ -18,7 +18,7 @@ use crate::files::model::{count_memory, leave_out_unweighted, read_mesh};
 
 /// One mesh as a node shows it, or else its main node; with its garment.
 pub(super) fn subject(
-    args: &LintArgs,
+    options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
     index: usize,
@@ -26,8 +26,8 @@ pub(super) fn subject(
     garment: Option<&Garment>,
 ) -> Result<Subject, CliError> {
     let mut mesh = read_mesh(file, index, node)?;
-    let broken = read_clips(&args.files, file, index, node, &mut mesh, None);
-    lend_clips(args, clip_files, file, (index, node), &mut mesh, None)?;
+    let broken = read_clips(&options.files, file, index, node, &mut mesh, None);
+    lend_clips(options, clip_files, file, (index, node), &mut mesh, None)?;
     let (member, left_out) = member(file, index, node, &mut mesh)?;
     let mut subject = Subject {
         left_out,
@@ -65,14 +65,14 @@ pub(super) fn subject(
 
 /// Adds the clips of other files that are asked for to a mesh and, if it has no joints, to the node that shows it.
 pub(super) fn lend_clips(
-    args: &LintArgs,
+    options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
     place: (usize, Option<usize>),
     mesh: &mut MorphMesh,
     mut placement: Option<&mut Skeleton>,
 ) -> Result<(), CliError> {
-    for clip in &args.clip {
+    for clip in &options.clip {
         let lent = clip_files.lend(clip, file, place, mesh, placement.as_deref_mut());
         lent.map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
     }
@@ -128,9 +128,9 @@ pub(super) struct Garment {
 }
 
 impl Garment {
-    pub(super) fn read(args: &LintArgs, path: &Path, model: &GltfFile) -> Result<Self, CliError> {
-        let file = args.files.open_within(path, model.budget())?;
-        let choice = args.garment_mesh.clone().unwrap_or_default();
+    pub(super) fn read(options: &LintOptions, path: &Path, model: &GltfFile) -> Result<Self, CliError> {
+        let file = options.files.open_within(path, model.budget())?;
+        let choice = options.garment_mesh.clone().unwrap_or_default();
         let found = choice.find(&file);
         let index = found.map_err(|reason| CliError::Flag {
             flag: "--garment-mesh",
@@ -154,7 +154,7 @@ impl Garment {
             materials,
             member,
             left_out,
-            is_in_model: same(path, &args.model),
+            is_in_model: same(path, &options.model),
         })
     }
 }

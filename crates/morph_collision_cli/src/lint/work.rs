@@ -12,11 +12,11 @@ use morph_collision_models::inspect::MeshError;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::text::Printable;
 
-use super::LintArgs;
 use super::capture::Capture;
 use super::findings::{Finding, Findings};
 use super::input::{refused, shape_words};
 use super::mixtures::Mixtures;
+use super::options::LintOptions;
 use super::parts::Parts;
 use super::picture;
 use super::poses::{Stage, Tried, clip_stages, expressions};
@@ -40,9 +40,9 @@ const BYTES_PER_KNOWN_PAIR: u64 = 32;
 const MOST_PICTURES: usize = 60;
 
 /// Tries all shapes of a mesh.
-pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> Result<MeshReport, CliError> {
+pub(super) fn lint_mesh(options: &LintOptions, file: &GltfFile, subject: &Subject) -> Result<MeshReport, CliError> {
     let (index, mesh) = (subject.index, &subject.mesh);
-    let threads = args.threads.map_or_else(
+    let threads = options.threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
         NonZeroUsize::get,
     );
@@ -55,19 +55,19 @@ pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> 
     })?;
     progress::doing(format!("building the tree of {} triangles", mesh.triangles.len()));
     let fail = |reason: MeshError| CliError::Mesh {
-        file: args.model.clone(),
+        file: options.model.clone(),
         mesh: index,
         name: mesh.name.clone(),
         reason,
     };
     let model = mesh.to_model().map_err(|reason| fail(reason.into()))?;
-    let tree = Arc::new(MorphBvh::build(Arc::new(model), &args.tree.build()));
+    let tree = Arc::new(MorphBvh::build(Arc::new(model), &options.tree));
     let rules = Rules {
         garment_from: subject.garment_from,
-        thresholds: args.thresholds,
+        thresholds: options.thresholds,
     };
     let mut lint = Lint {
-        args,
+        options,
         file,
         index,
         subject,
@@ -81,9 +81,9 @@ pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> 
     lint.look_at_rest()?;
     let moving = subject.moving();
     let mut stages = vec![Stage::Alone(moving.clone()), Stage::Pairs(lint.pairs(&moving)?)];
-    let (fps, is_loop) = (args.fps.unwrap_or(30.0), args.is_loop);
-    stages.extend(clip_stages(file, subject, &args.clip, fps, is_loop));
-    for path in &args.capture {
+    let (fps, is_loop) = (options.fps, options.is_loop);
+    stages.extend(clip_stages(file, subject, &options.clip, fps, is_loop));
+    for path in &options.capture {
         stages.push(Stage::Capture(lint.capture(path)?));
     }
     stages.push(expressions(subject));
@@ -92,19 +92,19 @@ pub(super) fn lint_mesh(args: &LintArgs, file: &GltfFile, subject: &Subject) -> 
     }
     if !moving.is_empty() {
         lint.try_stage(&Stage::Mixtures(Mixtures::new(
-            args.mixtures,
-            args.seed,
+            options.mixtures,
+            options.seed,
             moving,
             &stages,
         )))?;
     }
-    let proof = if args.prove { lint.prove(&tree)? } else { None };
+    let proof = if options.prove { lint.prove(&tree)? } else { None };
     lint.finish(&tree, proof)
 }
 
 /// What is known of a mesh so far.
 struct Lint<'a> {
-    args: &'a LintArgs,
+    options: &'a LintOptions,
     file: &'a GltfFile,
     index: usize,
     subject: &'a Subject,
@@ -134,7 +134,7 @@ impl Lint<'_> {
         let (pairs, is_truncated) = found.map_err(|reason| self.refused("the rest shape".to_owned(), reason))?;
         if is_truncated {
             return Err(CliError::TooManySelfPairs {
-                file: self.args.model.clone(),
+                file: self.options.model.clone(),
                 mesh: self.index,
                 most,
             });
@@ -147,7 +147,7 @@ impl Lint<'_> {
     /// All pairs of targets, if they are asked for.
     fn pairs(&mut self, moving: &[usize]) -> Result<Vec<[usize; 2]>, CliError> {
         let mut pairs = Vec::new();
-        if self.args.pairs {
+        if self.options.pairs {
             let count = moving.len() as u64 * (moving.len() as u64).saturating_sub(1) / 2;
             count_memory(self.file, self.index, 16 * count, || {
                 "the pairs of its targets".to_owned()
@@ -185,9 +185,9 @@ impl Lint<'_> {
             (shape, found)
         };
         let findings = &mut self.findings;
-        let refused = |shape: &Tried, reason| refused(self.args, self.index, mesh, shape_words(shape, mesh), reason);
+        let refused = |shape: &Tried, reason| refused(self.options, self.index, mesh, shape_words(shape, mesh), reason);
         let over = |over: morph_collision_models::memory::OverBudget| CliError::Mesh {
-            file: self.args.model.clone(),
+            file: self.options.model.clone(),
             mesh: self.index,
             name: mesh.name.clone(),
             reason: over.into(),
@@ -227,11 +227,11 @@ impl Lint<'_> {
         // A box for each target that moves a node, on a few levels.
         count_memory(self.file, self.index, self.mesh.tree_bytes(), || "the proof".to_owned())?;
         let effort = Effort {
-            boxes_per_pair: self.args.effort,
+            boxes_per_pair: self.options.effort,
             ..Effort::default()
         };
         let outcome = prove(tree, self.searchers.len(), effort).map_err(|reason| CliError::Pose {
-            file: self.args.model.clone(),
+            file: self.options.model.clone(),
             mesh: self.index,
             name: name.clone(),
             reason,
@@ -257,7 +257,7 @@ impl Lint<'_> {
             let found = found.map_err(|reason| self.refused(shape_words(&shape, self.mesh), reason))?;
             let added = self.findings.add(&shape, found, self.file.budget());
             added.map_err(|over| CliError::Mesh {
-                file: self.args.model.clone(),
+                file: self.options.model.clone(),
                 mesh: self.index,
                 name: name.clone(),
                 reason: over.into(),
@@ -270,7 +270,7 @@ impl Lint<'_> {
     fn picture(&mut self, finding: &Finding) -> Result<String, CliError> {
         let words = || finding.source.words(&self.mesh.target_names);
         let pose = self.searchers[0].pose_of(finding);
-        let pose = pose.map_err(|reason| refused(self.args, self.index, self.mesh, words(), reason))?;
+        let pose = pose.map_err(|reason| refused(self.options, self.index, self.mesh, words(), reason))?;
         Ok(picture::draw(pose, finding))
     }
 
@@ -279,7 +279,7 @@ impl Lint<'_> {
         let findings = std::mem::take(&mut self.findings).finish();
         let parts = Parts::new(model, &mesh.primitives, self.subject.materials.clone());
         let mut suggestions: Vec<Suggestion> = Vec::new();
-        if self.args.suggest {
+        if self.options.suggest {
             let mut searched: Vec<&Source> = Vec::new();
             let steps = progress::count("suggestion", findings.len() as u64);
             for finding in &findings {
@@ -287,7 +287,8 @@ impl Lint<'_> {
                     let known = known(&self.at_rest, &self.alone, &finding.source);
                     let found = suggest(&mut self.searchers[0], self.subject, finding, &known);
                     let words = || finding.source.words(&mesh.target_names);
-                    suggestions.extend(found.map_err(|reason| refused(self.args, self.index, mesh, words(), reason))?);
+                    suggestions
+                        .extend(found.map_err(|reason| refused(self.options, self.index, mesh, words(), reason))?);
                     searched.push(&finding.source);
                 }
                 steps.step();
@@ -303,7 +304,7 @@ impl Lint<'_> {
             findings: findings.iter().filter(|finding| finding.source.kind() == kind).count(),
         });
         let sources = sources.collect();
-        if self.args.html.is_some() {
+        if self.options.pictures {
             for (report, finding) in reports.iter_mut().zip(&findings).take(MOST_PICTURES) {
                 report.picture = Some(self.picture(finding)?);
             }
@@ -333,7 +334,7 @@ impl Lint<'_> {
     }
 
     fn refused(&self, shape: String, reason: PoseError) -> CliError {
-        refused(self.args, self.index, self.mesh, shape, reason)
+        refused(self.options, self.index, self.mesh, shape, reason)
     }
 }
 

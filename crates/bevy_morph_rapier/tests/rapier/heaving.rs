@@ -17,7 +17,7 @@ use morph_collision_workspace::heaving::{
 };
 
 #[path = "../../../../examples/physics.rs"]
-#[allow(dead_code, unreachable_pub, reason = "it is also a program")]
+#[allow(dead_code, unexpected_cfgs, unreachable_pub, reason = "it is also a program")]
 mod physics;
 
 use crate::log::start;

@@ -3,8 +3,7 @@
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_morph_collision::MorphRapierVelocity;
-use bevy_morph_rapier::prelude::*;
+use bevy_morph_rapier::MorphRapierVelocity;
 use bevy_rapier3d::prelude::*;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};

@@ -22,8 +22,8 @@ pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &
 /// A collider that has nothing to collide with.
 fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut WarnOnce) -> Verdict {
     let entity = subject.entity;
-    let (component, scene, has_scene) = match around.others.of(subject) {
-        Some(other) => (other.name, other.scene_name, other.has_scene(subject)),
+    let (component, scene, has_scene) = match around.others.of(subject.archetype) {
+        Some(other) => (other.name, other.scene_name, other.has_scene(subject.archetype)),
         None => ("MorphCollider", "MorphColliderScene", subject.scene.is_some()),
     };
     let name = || around.name(entity);
@@ -61,7 +61,7 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut 
 /// Components that ask something of a mesh that does not collide.
 fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
     let entity = subject.entity;
-    let physics = around.others.of(subject).map(|other| other.name);
+    let physics = around.others.of(subject.archetype).map(|other| other.name);
     let is_continuous = subject.collider.is_some_and(|collider| collider.continuous);
     let without_effect = [
         (

@@ -1,9 +1,9 @@
 //! Components of other crates that make an entity a collider, such as the one for physics engines.
 
+use bevy::ecs::archetype::Archetype;
 use bevy::ecs::component::ComponentId;
 use bevy::prelude::*;
 
-use super::subject::SubjectItem;
 use crate::app::Suspects;
 
 /// A component that makes the mesh of an entity a collider, and the one that does the same for a scene.
@@ -20,17 +20,15 @@ pub(super) struct ColliderComponents(Vec<ColliderComponent>);
 
 impl ColliderComponents {
     /// The first one that an entity has.
-    pub(super) fn of(&self, subject: &SubjectItem) -> Option<&ColliderComponent> {
-        self.0
-            .iter()
-            .find(|component| subject.archetype.contains(component.collider))
+    pub(super) fn of(&self, archetype: &Archetype) -> Option<&ColliderComponent> {
+        self.0.iter().find(|component| archetype.contains(component.collider))
     }
 }
 
 impl ColliderComponent {
     /// Whether an entity has the component for scenes.
-    pub(super) fn has_scene(&self, subject: &SubjectItem) -> bool {
-        subject.archetype.contains(self.scene)
+    pub(super) fn has_scene(&self, archetype: &Archetype) -> bool {
+        archetype.contains(self.scene)
     }
 }
 

@@ -12,7 +12,7 @@ use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::physics_api::take_weights;
 use morph_collision::{MorphBvh, Pose};
 
-use super::Engine;
+use super::interface::Engine;
 use super::surface::PhysicsSurface;
 use crate::components::MorphPhysicsCollider;
 use crate::moving::MovingSurface;

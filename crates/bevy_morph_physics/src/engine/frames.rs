@@ -3,7 +3,7 @@
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 
-use super::Engine;
+use super::interface::Engine;
 use super::surface::PhysicsSurface;
 use crate::time::WeightSource;
 

@@ -12,9 +12,9 @@ use tracing::error;
 
 use super::attach::{attach_surfaces, detach_surface};
 use super::frames::{after_steps, record_transforms};
+use super::interface::{Engine, EngineNames};
 use super::schedule::choose;
 use super::teleport::note_teleport;
-use super::{Engine, EngineNames};
 use crate::components::{
     EngineCheck, MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene, add_to_parts,
 };

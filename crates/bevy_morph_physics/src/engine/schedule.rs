@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::physics_api::is_fixed;
 use tracing::{error, warn};
 
-use super::EngineNames;
+use super::interface::EngineNames;
 
 /// The schedules that have a system in a set.
 pub fn schedules_with(app: &App, set: impl SystemSet) -> Vec<InternedScheduleLabel> {

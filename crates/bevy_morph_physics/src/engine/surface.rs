@@ -7,7 +7,7 @@ use morph_collision::{InputError, MorphBvh};
 use thiserror::Error;
 use tracing::{error, warn};
 
-use super::Engine;
+use super::interface::Engine;
 use crate::moving::{MovingSurface, Prediction};
 use crate::shape::{MAX_COORDINATE, box_in_range, in_range, not_closed};
 use crate::time::{StepTime, WeightSource};

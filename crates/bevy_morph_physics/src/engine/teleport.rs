@@ -5,7 +5,7 @@ use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use bevy_morph_collision::components::{MorphColliders, MorphTeleported};
 
-use super::Engine;
+use super::interface::Engine;
 use super::surface::PhysicsSurface;
 
 /// Notices a [`MorphTeleported`] as soon as it is inserted. The collision run removes it, at a time that has nothing to do with

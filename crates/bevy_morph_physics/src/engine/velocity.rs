@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use morph_collision::ShapeQuery;
 
-use super::Engine;
+use super::interface::Engine;
 use super::surface::PhysicsSurface;
 use crate::components::MorphPhysicsCollider;
 use crate::moving::MovingSurface;

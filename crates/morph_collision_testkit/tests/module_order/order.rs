@@ -29,7 +29,8 @@ impl Order {
     /// What is against the order: modules that it lacks or that do not exist, and imports.
     pub(crate) fn check(&self, of: &str, modules: &Modules, imports: &[Import]) -> Vec<String> {
         let mut wrong = Vec::new();
-        let top: BTreeSet<&str> = modules.top().collect();
+        // A prelude only names what others define.
+        let top: BTreeSet<&str> = modules.top().filter(|name| *name != "prelude").collect();
         let missing = top.iter().filter(|name| !self.0.contains_key(**name));
         wrong.extend(missing.map(|name| format!("{of}: `{name}` is not in the order")));
         let unknown = self.0.keys().filter(|name| !top.contains(name.as_str()));
@@ -98,7 +99,7 @@ pub(crate) fn circles_of_files(of: &str, modules: &Modules, imports: &[Import]) 
     let circles = circles(&graph);
     circles
         .into_iter()
-        .map(|circle| format!("{of}: {}", circle.concat().join(", ")))
+        .map(|circle| format!("{of}: a circle of {}", circle.concat().join(", ")))
         .collect()
 }
 

@@ -6,15 +6,18 @@
 //!
 //! The motions are pure functions of frame and index. Nothing is simulated, so you can ask for any frame.
 
+mod body_state;
 pub mod dolphins;
 mod error;
-mod file;
+mod json;
 pub mod pass_through;
+mod scene;
 
 use glam::{Affine3A, DQuat, DVec3};
 
+pub use body_state::BodyState;
 pub use error::SceneError;
-pub use file::{BodyState, Scene, SceneBody, SceneVersion};
+pub use scene::{Scene, SceneBody, SceneVersion};
 
 /// A placement of a body that keeps its shape. Rounding to `f32` once, at the end, hides that `sin` and `cos` differ between platforms.
 pub fn rigid(rotation: DQuat, translation: DVec3) -> Affine3A {

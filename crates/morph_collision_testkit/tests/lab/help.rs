@@ -35,7 +35,9 @@ fn every_command_has_help_in_lines_that_are_not_too_long() -> TestResult {
     assert!(commands.len() > 10 && commands.contains(&"make-assets"), "{commands:?}");
     for command in commands {
         let help = stdout_of(&run_program([command, "--help"])?);
-        let widest = help.lines().map(|line| line.chars().count()).max();
+        // clap does not break lists of values.
+        let lines = help.lines().filter(|line| !line.contains("possible values: "));
+        let widest = lines.map(|line| line.chars().count()).max();
         assert!(widest <= Some(120), "{command}: {widest:?}");
     }
     Ok(())

@@ -1,176 +1,15 @@
-//! The JSON scene format: models, and their placements and weights frame by frame.
-//!
-//! ```json
-//! {
-//!   "version": 1,
-//!   "bodies": [ {"model": "a.glb"}, {"model": "b.glb", "mesh": 1} ],
-//!   "frames": [
-//!     [ {"weights": {"jawOpen": 0.5}}, {"rotation": [0, 0, 0, 1], "translation": [1, 0, 0], "scale": [1, 2, 1]} ]
-//!   ]
-//! }
-//! ```
-//!
-//! The repository's `docs/scene.md` describes every key, and `docs/scene.schema.json` is a JSON schema.
+//! Reads and writes scene files.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use glam::{Affine3A, Quat, Vec3};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use glam::Quat;
+use serde::Serialize;
 
-use super::SceneError;
+use super::error::SceneError;
+use super::scene::Scene;
 use crate::gltf::read::is_lfs_pointer;
 use crate::memory::{self, MemoryBudget};
-use crate::weight_list::WeightList;
-
-/// Models, and their states in every frame.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scene {
-    /// Where the JSON schema is. Only editors read it.
-    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
-    pub schema: Option<String>,
-    /// The version of the format.
-    #[serde(default)]
-    pub version: SceneVersion,
-    /// A name, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// A comment, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub comment: Option<String>,
-    /// The bodies.
-    pub bodies: Vec<SceneBody>,
-    /// One state per body, in the order of `bodies`, for every frame.
-    pub frames: Vec<Vec<BodyState>>,
-}
-
-/// The only version of the format; other numbers are refused.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SceneVersion;
-
-impl SceneVersion {
-    const NUMBER: u64 = 1;
-}
-
-impl Serialize for SceneVersion {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_u64(Self::NUMBER)
-    }
-}
-
-impl<'de> Deserialize<'de> for SceneVersion {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match u64::deserialize(deserializer)? {
-            Self::NUMBER => Ok(Self),
-            other => Err(D::Error::custom(format_args!(
-                "this is a scene of version {other}, and only version {} can be read",
-                Self::NUMBER
-            ))),
-        }
-    }
-}
-
-/// A body: a mesh of a model file.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SceneBody {
-    /// The model's file, relative to the scene's; see [`SceneBody::model_path`].
-    pub model: PathBuf,
-    /// The mesh's index in the model.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub mesh: usize,
-    /// The node of the model that shows the mesh. If it is given, a mesh without joints is first placed where the node is, at rest or as
-    /// a clip moves it, and the node's skin, default weights and clips count.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub node: Option<usize>,
-    /// Which of the node's instances.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub instance: Option<usize>,
-    /// A name, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// A comment, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub comment: Option<String>,
-}
-
-impl SceneBody {
-    /// The model's path for a scene read from `scene_path`.
-    pub fn model_path(&self, scene_path: &Path) -> PathBuf {
-        scene_path.parent().unwrap_or(Path::new("")).join(&self.model)
-    }
-}
-
-/// A body's placement and shape in one frame.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BodyState {
-    /// One weight per target, or weights by name. Targets without a weight have that of the clip, or without a clip their default
-    /// weight.
-    #[serde(default, skip_serializing_if = "WeightList::is_empty")]
-    pub weights: WeightList,
-    /// A unit quaternion `x, y, z, w`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rotation: Option<[f32; 4]>,
-    /// The model's origin in world space.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub translation: Option<[f32; 3]>,
-    /// Factors along the model's axes; 0 and negative factors are allowed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub scale: Option<[f32; 3]>,
-    /// The name of a clip of the model, or of a clip of another file: `FILE#NAME`, relative to the scene's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clip: Option<String>,
-    /// The time in the clip, in seconds; 0 by default. The first pose holds before the clip, and the last one after it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub time: Option<f32>,
-    /// A comment, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub comment: Option<String>,
-}
-
-impl BodyState {
-    /// A state from weights and a rigid placement; the scale is left out.
-    pub fn rigid(weights: &[f32], world_from_model: &Affine3A) -> Self {
-        let (_, rotation, translation) = world_from_model.to_scale_rotation_translation();
-        // Six digits are enough and keep files small.
-        let round6 = |value: f32| crate::generated::round6(f64::from(value));
-        Self {
-            weights: WeightList::All(weights.to_vec()),
-            rotation: Some(rotation.to_array().map(round6)),
-            translation: Some(translation.to_array().map(round6)),
-            ..Self::default()
-        }
-    }
-
-    /// Scale, then rotation (normalized), then translation.
-    pub fn world_from_model(&self) -> Affine3A {
-        Affine3A::from_scale_rotation_translation(
-            self.scale.map_or(Vec3::ONE, Vec3::from_array),
-            self.rotation
-                .map_or(Quat::IDENTITY, |xyzw| Quat::from_array(xyzw).normalize()),
-            self.translation.map_or(Vec3::ZERO, Vec3::from_array),
-        )
-    }
-
-    /// All numbers with the names of their lists in the format, and their indices there.
-    fn numbers(&self) -> impl Iterator<Item = (&'static str, usize, f32)> {
-        let placement = [
-            ("rotation", self.rotation.as_ref().map_or(&[][..], |list| list)),
-            ("translation", self.translation.as_ref().map_or(&[][..], |list| list)),
-            ("scale", self.scale.as_ref().map_or(&[][..], |list| list)),
-            ("time", self.time.as_slice()),
-        ];
-        let placement = placement.into_iter().flat_map(|(what, list)| {
-            let indexed = list.iter().enumerate();
-            indexed.map(move |(index, &value)| (what, index, value))
-        });
-        let weights = self.weights.values().enumerate();
-        weights.map(|(index, value)| ("weights", index, value)).chain(placement)
-    }
-}
 
 impl Scene {
     /// Reads and checks a scene. Models are not opened, so the number of weights is not checked here.
@@ -333,15 +172,13 @@ fn lines<T: Serialize>(elements: &[T]) -> serde_json::Result<String> {
     Ok(text)
 }
 
-// Serde passes the field by reference.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
-fn is_zero(value: &usize) -> bool {
-    *value == 0
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::{Affine3A, Vec3};
+
+    use super::super::{BodyState, SceneBody};
     use super::*;
+    use crate::weight_list::WeightList;
 
     fn message(json: &str) -> String {
         match Scene::parse(json.as_bytes(), Path::new("scene.json")) {

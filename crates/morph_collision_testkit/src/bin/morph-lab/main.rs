@@ -30,7 +30,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use morph_collision_cli::shared::{AnyError, ProgressArgs, Verdict, run_cli};
 
-/// The laboratory of morph_collision: compares its answers with brute force, and its speed with other methods.
+/// The laboratory: compares this library's answers with brute force, and its speed with other methods.
 ///
 /// The exit code is 2 after an error, and 1 if an answer is wrong.
 #[derive(Debug, Parser)]

@@ -31,8 +31,8 @@ fn no_bullet_goes_through_a_surface_that_comes_towards_it() {
             for radius in [0.005, 0.02, 0.1] {
                 shoot(Shots {
                     speed,
-                    rise,
                     radius,
+                    rise,
                     ccd,
                     ..Shots::SMALL
                 });

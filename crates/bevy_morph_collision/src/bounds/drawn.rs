@@ -101,9 +101,8 @@ impl DrawnMeshes<'_, '_> {
         match self.cached.get_mut(&entity) {
             Some(cached) => cached.set(pose, joints, world_from_entity, aabb),
             None => {
-                _ = self
-                    .cached
-                    .insert(entity, CachedBounds::new(pose, joints, world_from_entity, aabb))
+                let computed = CachedBounds::new(pose, joints, world_from_entity, aabb);
+                self.cached.insert(entity, computed);
             }
         }
         Some(aabb)

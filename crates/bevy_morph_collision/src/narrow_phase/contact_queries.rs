@@ -47,8 +47,9 @@ impl ContactQueries {
                 };
                 self.with_mesh(contact, pair, std::mem::take(triangles), limit, stats)
             }
-            (BatchResult::NotAsked, _, Form::Shape(shape)) => self.with_shape(empty, pair, &shape, limit, stats),
-            (BatchResult::NotAsked, Form::Shape(shape), _) => self.with_shape(empty, pair, &shape, limit, stats),
+            (BatchResult::NotAsked, _, Form::Shape(shape)) | (BatchResult::NotAsked, Form::Shape(shape), _) => {
+                self.with_shape(empty, pair, &shape, limit, stats)
+            }
             (BatchResult::NotAsked, Form::Mesh(_), Form::Mesh(_)) | (BatchResult::Apart, ..) => None,
         }
     }

@@ -88,7 +88,7 @@ impl MorphSpatialQuery<'_, '_> {
             .ok()
     }
 
-    /// BorrowedQueries memory; `None` without the plugin.
+    /// Memory; `None` without the plugin.
     pub(super) fn borrow(&self) -> Option<BorrowedQueries<'_>> {
         Some(self.state.as_ref()?.borrow())
     }

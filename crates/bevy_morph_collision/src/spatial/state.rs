@@ -57,7 +57,7 @@ impl SpatialState {
         index.clone()
     }
 
-    /// BorrowedQueries memory for one query. Queries can be nested.
+    /// Memory for one query. Queries can be nested.
     pub(super) fn borrow(&self) -> BorrowedQueries<'_> {
         let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         BorrowedQueries {

@@ -84,7 +84,7 @@ impl ColliderState {
                     placed,
                     self.previous.shape.clone(),
                     tolerance,
-                )))
+                )));
             }
         }
         false

@@ -5,7 +5,7 @@ use parry3d::math::Vector;
 
 /// Boxes sorted by their start along the axis with the largest spread.
 ///
-/// Sorting pays off for at least [`SEARCHES`] searches. With fewer, every box is checked.
+/// Sorting pays off for at least 16 searches. With fewer, every box is checked.
 #[derive(Default)]
 pub struct SortedBoxes {
     axis: usize,

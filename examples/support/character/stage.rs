@@ -3,8 +3,9 @@
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::{MorphPick, MorphTrees};
+use bevy_morph_collision::surface::MorphPick;
 use bevy_morph_rapier::prelude::*;
 
 use super::{Character, Crate, Dart, GROUND, HALF, HandOnFace, Moment, Skin, Tally};

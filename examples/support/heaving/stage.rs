@@ -2,7 +2,6 @@
 
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 
 use super::{Falling, Form, GROUND, HALF_SEGMENT, Hill, Player, RADIUS, Tally, Wish};

@@ -3,8 +3,7 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues, VertexFormat, morph::MorphAttributes};
 use bevy::prelude::*;
-use bevy_morph_collision::import::ImportError;
-use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::import::{ImportError, MorphTrees};
 use bevy_morph_collision::morph_collision::ModelError;
 
 use crate::log::Errors;

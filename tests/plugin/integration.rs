@@ -15,9 +15,7 @@ use bevy_morph_collision::contacts::MorphContactPoint;
 use bevy_morph_collision::debug::MorphCollisionDiagnosticsPlugin;
 use bevy_morph_collision::morph_collision::Facing;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::spatial::MorphClosestPoints;
-use bevy_morph_collision::spatial::MorphManifold;
-use bevy_morph_collision::spatial::MorphProjection;
+use bevy_morph_collision::spatial::{MorphClosestPoints, MorphManifold, MorphProjection};
 use serde::de::DeserializeSeed;
 
 use morph_collision_workspace::app::headless;

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use bevy_morph_collision::morph_collision::MorphBvh;
-use bevy_morph_collision::morph_collision::Pose;
+use bevy_morph_collision::morph_collision::{MorphBvh, Pose};
 use bevy_morph_collision::prelude::*;
 
 use crate::log::{Errors, start};

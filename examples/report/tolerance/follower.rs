@@ -5,10 +5,7 @@ use bevy::math::DVec3;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use bevy_morph_collision::morph_collision::Body;
-use bevy_morph_collision::morph_collision::JointMatrices;
-use bevy_morph_collision::morph_collision::Pose;
-use bevy_morph_collision::morph_collision::WorldFromModel;
+use bevy_morph_collision::morph_collision::{Body, JointMatrices, Pose, WorldFromModel};
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::drawn::{self, Part};
 

@@ -9,9 +9,7 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use bevy_morph_collision::morph_collision::JointMatrices;
-use bevy_morph_collision::morph_collision::Pose;
-use bevy_morph_collision::morph_collision::SelfQuery;
+use bevy_morph_collision::morph_collision::{JointMatrices, Pose, SelfQuery};
 use bevy_morph_collision::prelude::*;
 
 /// The intersecting pairs of triangles of a hand and the face.

@@ -3,7 +3,6 @@
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
-use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
 use bevy_morph_collision::surface::MorphPick;
 use bevy_morph_rapier::prelude::*;

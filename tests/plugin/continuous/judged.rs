@@ -3,10 +3,7 @@
 use bevy::ecs::message::MessageCursor;
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_morph_collision::morph_collision::motion::MovingPoint;
-use bevy_morph_collision::morph_collision::motion::TimeOfImpact;
-use bevy_morph_collision::morph_collision::motion::edge_edge_impact;
-use bevy_morph_collision::morph_collision::motion::vertex_face_impact;
+use bevy_morph_collision::morph_collision::motion::{MovingPoint, TimeOfImpact, edge_edge_impact, vertex_face_impact};
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::oracle::intersecting_pairs;
 use rand::{RngExt, SeedableRng};

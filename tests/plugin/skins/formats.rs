@@ -3,8 +3,7 @@
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{AttributeQuantization, VertexAttributeValues};
 use bevy::prelude::*;
-use bevy_morph_collision::import::ImportError;
-use bevy_morph_collision::import::MorphTrees;
+use bevy_morph_collision::import::{ImportError, MorphTrees};
 use bevy_morph_collision::morph_collision::ModelError;
 use bevy_morph_collision::prelude::*;
 

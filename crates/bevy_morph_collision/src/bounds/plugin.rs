@@ -37,7 +37,7 @@ use crate::setup::TreesPlugin;
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
-/// # use bevy_morph_collision::MorphBoundsPlugin;
+/// # use bevy_morph_collision::bounds::MorphBoundsPlugin;
 /// # let mut app = App::new();
 /// app.add_plugins((DefaultPlugins, MorphBoundsPlugin));
 /// ```

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 /// and Avian's `CollisionLayers`. By default everything collides with everything.
 ///
 /// ```
-/// # use bevy_morph_collision::MorphCollisionLayers;
+/// # use bevy_morph_collision::components::MorphCollisionLayers;
 /// const FACES: u32 = 1;
 /// const BALLS: u32 = 2;
 /// let face = MorphCollisionLayers::new(FACES, BALLS);

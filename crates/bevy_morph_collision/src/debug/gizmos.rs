@@ -24,7 +24,7 @@ pub struct MorphGizmosPlugin;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy::gizmos::config::GizmoConfigStore;
-/// # use bevy_morph_collision::MorphGizmos;
+/// # use bevy_morph_collision::debug::MorphGizmos;
 /// fn look_deeper(mut store: ResMut<GizmoConfigStore>) {
 ///     store.config_mut::<MorphGizmos>().1.depth = Some(3);
 /// }

@@ -26,7 +26,7 @@ use bevy::prelude::*;
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_morph_collision::MorphPick;
+/// # use bevy_morph_collision::surface::MorphPick;
 /// fn print_what_was_clicked(click: On<PointerClick>) {
 ///     if let Some(pick) = click.hit.extra_as::<MorphPick>() {
 ///         println!("triangle {} at {:?}", pick.triangle, pick.uv);

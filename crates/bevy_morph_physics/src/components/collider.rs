@@ -3,8 +3,7 @@
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
-use bevy_morph_collision::components::MorphCollider;
-use bevy_morph_collision::components::MorphCollisionMode;
+use bevy_morph_collision::components::{MorphCollider, MorphCollisionMode};
 use bevy_morph_collision::contacts::MorphCollisions;
 use tracing::warn;
 

@@ -3,9 +3,7 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
-use bevy_morph_collision::components::MorphCollider;
-use bevy_morph_collision::components::MorphColliderScene;
-use bevy_morph_collision::components::MorphCollisionMode;
+use bevy_morph_collision::components::{MorphCollider, MorphColliderScene, MorphCollisionMode};
 use bevy_morph_collision::physics_api::ScenePart;
 
 use super::collider::{MorphPhysicsCollider, warn_without_engine};

@@ -4,8 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy_morph_collision::physics_api::BindPoses;
-use bevy_morph_collision::physics_api::Skeletons;
+use bevy_morph_collision::physics_api::{BindPoses, Skeletons};
 
 use crate::moving::MovingSurface;
 use crate::time::{Live, SurfaceComponentsItem, WeightSource};

@@ -3,8 +3,7 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
-use bevy_morph_collision::components::MorphColliders;
-use bevy_morph_collision::components::MorphTeleported;
+use bevy_morph_collision::components::{MorphColliders, MorphTeleported};
 
 use super::interface::Engine;
 use super::surface::PhysicsSurface;

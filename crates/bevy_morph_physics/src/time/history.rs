@@ -5,8 +5,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy_morph_collision::physics_api::BindPoses;
-use bevy_morph_collision::physics_api::Skeletons;
+use bevy_morph_collision::physics_api::{BindPoses, Skeletons};
 
 use super::clock::Span;
 use super::recorded_value::JointSample;

@@ -2,9 +2,7 @@
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-use bevy_morph_collision::physics_api::WeightsProblem;
-use bevy_morph_collision::physics_api::drawn_weights;
-use bevy_morph_collision::physics_api::take_weights;
+use bevy_morph_collision::physics_api::{WeightsProblem, drawn_weights, take_weights};
 use morph_collision::Pose;
 
 /// The weights with which a mesh is drawn: its own, or those of the entity that it refers to.

@@ -8,7 +8,7 @@ use bevy::mesh::morph::MorphWeights;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_workspace::shows;
+use morph_collision_workspace::demos;
 use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::page::{self, Hand, Told};
 use morph_collision_workspace::view::sliders::Sliders;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use image::RgbImage;
-use morph_collision_workspace::shows;
+use morph_collision_workspace::demos;
 use morph_collision_workspace::view::Demo;
 use morph_collision_workspace::view::overlay::Overlay;
 

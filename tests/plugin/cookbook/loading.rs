@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
+use bevy_morph_collision::import::MorphTreeProgress;
 use bevy_morph_collision::prelude::*;
 
 use super::programs::loading_screen::{Bar, Model, Playing, game};

@@ -23,7 +23,7 @@ use crate::log::start;
 use crate::support::assets;
 
 /// A headless program before its first frame, at 60 frames a second.
-fn program(plugins: MorphPlugins, game: fn(&mut App)) -> App {
+fn program(plugins: impl PluginGroup, game: fn(&mut App)) -> App {
     let mut app = without_collisions(&assets());
     app.add_plugins((InputPlugin, plugins, game))
         .init_asset::<StandardMaterial>();

@@ -28,7 +28,7 @@ fn a_page_is_told_what_the_show_is_at() {
     demo.advance(4);
     let state = told.now();
     let diagnostics = *demo.app_mut().world().resource::<MorphCollisionDiagnostics>();
-    assert_eq!((state.demo, state.started, state.drawn), ("pass_through", true, 4));
+    assert_eq!((state.show, state.started, state.drawn), ("pass_through", true, 4));
     assert_eq!(state.frame, frame(&mut demo));
     assert_eq!((state.colliders, state.touching, state.events), (2, 1, 1));
     assert!(state.triangle_pairs > 0 && state.red > 0);

@@ -14,7 +14,6 @@ use bevy::input::InputPlugin;
 use bevy::mesh::morph::MorphWeights;
 use bevy::pbr::StandardMaterial;
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use morph_collision_models::gltf::read::read_meshes;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::app::{update_until, without_collisions};

@@ -116,7 +116,7 @@
 //! ## Wait until everything is ready
 //!
 //! [`MorphColliderReady`](setup::MorphColliderReady), [`MorphColliderFailed`](setup::MorphColliderFailed) and [`MorphColliderSceneReady`](setup::MorphColliderSceneReady) are triggered on colliders and scenes.
-//! [`MorphTrees::progress`] is for loading screens.
+//! [`MorphTrees::progress`](crate::import::MorphTrees::progress) is for loading screens.
 //!
 //! ## Save time
 //!

@@ -48,7 +48,7 @@ impl std::ops::Deref for MorphColliders {
 }
 
 /// Makes an entity the body of the colliders below it that come from
-/// [`every_deforming_mesh`](crate::MorphCollisionSettings::every_deforming_mesh).
+/// [`every_deforming_mesh`](crate::components::MorphCollisionSettings::every_deforming_mesh).
 ///
 /// Put it on the characters of a level that is a single glTF file or built by hand. It has no effect on colliders created by you
 /// or by a [`MorphColliderScene`](crate::components::MorphColliderScene): their [`MorphColliderOf`] names their body.

@@ -1,4 +1,4 @@
-//! The components of colliders, and the plugin's private state of each collider.
+//! The components of colliders.
 
 use bevy::prelude::*;
 
@@ -58,7 +58,7 @@ pub struct MorphCollider {
     /// fast motion, such as a bullet or a slap at a low frame rate, cannot go through others unnoticed.
     ///
     /// It is enough if one of two colliders is continuous; the motion of both counts. In between, every vertex moves on a straight
-    /// line in the world. [`MorphContact::impact`](crate::MorphContact::impact) tells when and where a contact began. A contact that
+    /// line in the world. [`MorphContact::impact`](crate::contacts::MorphContact::impact) tells when and where a contact began. A contact that
     /// begins and ends between two runs is reported as started and then as ended, in the same run.
     ///
     /// Motion counts from one run to the next, with weights, joints and transforms together. It does not count

@@ -35,7 +35,7 @@ use bevy::prelude::*;
 /// Components that you put on a part stay yours:
 ///
 /// - A mesh that already has a [`MorphCollider`] joins the body, whatever its name, and keeps its collider, layers and events.
-///   The scene also keeps [`MorphCollisionLayers`], [`MorphColliderOf`] and [`MorphCollisionEventsEnabled`] that were there
+///   The scene also keeps [`MorphCollisionLayers`], [`MorphColliderOf`](crate::components::MorphColliderOf) and [`MorphCollisionEventsEnabled`](crate::components::MorphCollisionEventsEnabled) that were there
 ///   first.
 /// - If you change or remove a component that the scene added, later edits of the scene do not touch it.
 /// - When a part leaves the scene, what the scene added is removed: the collider even if you changed it since, but layers and
@@ -48,12 +48,12 @@ pub struct MorphColliderScene {
     pub collider: MorphCollider,
     /// The layers of each part.
     pub layers: MorphCollisionLayers,
-    /// Leaves out rigid meshes, which have neither [`MeshMorphWeights`] nor [`SkinnedMesh`].
+    /// Leaves out rigid meshes, which have neither [`MeshMorphWeights`](bevy::mesh::morph::MeshMorphWeights) nor [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh).
     pub only_deforming: bool,
     /// If not empty, only meshes with one of these [`Name`]s, or below an entity of the scene with one of these names, become
     /// parts. In a glTF scene, a node's name is on the entity above its meshes.
     pub only_named: Vec<String>,
-    /// Whether the parts get [`MorphCollisionEventsEnabled`].
+    /// Whether the parts get [`MorphCollisionEventsEnabled`](crate::components::MorphCollisionEventsEnabled).
     pub events: bool,
 }
 

@@ -40,7 +40,7 @@ pub struct MorphCollisionSettings {
     /// them since, and keeps all others.
     pub every_deforming_mesh: Option<MorphCollider>,
     /// The maximum number of triangle pairs that one contact lists, and from which mode
-    /// [`Contacts`](crate::MorphCollisionMode::Contacts) computes its points. [`MorphContact::is_truncated`](crate::contacts::MorphContact)
+    /// [`Contacts`](crate::components::MorphCollisionMode::Contacts) computes its points. [`MorphContact::is_truncated`](crate::contacts::MorphContact)
     /// tells you if there are more. At least one pair is always listed, and the limit never affects whether colliders touch.
     /// Changing it compares all pairs again.
     ///
@@ -51,7 +51,7 @@ pub struct MorphCollisionSettings {
     ///
     /// Bad are triangles with a corner that is no vertex, or whose vertex has a position, a displacement or a joint weight that is not a
     /// number or too large, or a weight of a joint that does not exist. The log says once for each mesh how many are left out and why, and
-    /// [`MorphTrees::left_out`](crate::MorphTrees::left_out) returns it. The other triangles are numbered without those that are left out.
+    /// [`MorphTrees::left_out`](crate::import::MorphTrees::left_out) returns it. The other triangles are numbered without those that are left out.
     ///
     /// When you change this value, the meshes with bad triangles are read again.
     pub skip_bad_triangles: bool,

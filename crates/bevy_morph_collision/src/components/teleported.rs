@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 /// Says that an entity was put somewhere else: it has not moved through what is in between.
 ///
-/// - [Continuous](crate::MorphCollider::continuous) colliders do not sweep through everything in between.
+/// - [Continuous](crate::components::MorphCollider::continuous) colliders do not sweep through everything in between.
 /// - In physics (`MorphPhysicsCollider`), a surface pushes out what it overlaps at its new place, but throws and
 ///   carries nothing.
 ///

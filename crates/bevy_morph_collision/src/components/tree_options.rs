@@ -6,8 +6,8 @@ use morph_collision::{BuildOptions, InputError};
 /// How trees are built, for all meshes ([`MorphCollisionSettings::tree_options`](crate::components::MorphCollisionSettings)) or, as a
 /// component, for the mesh of one collider. Colliders with equal options share a tree.
 ///
-/// Options never affect answers: when you change them, the old trees stay in use until the new ones are built. With an invalid leaf size,
-/// colliders are left out, and the log says why.
+/// Options never affect answers: when you change them, the old trees stay in use until the new ones are built. An invalid leaf size is an
+/// error in the log: for all meshes, the last good one stays in use; for one collider, the collider is left out.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
 use super::body_pairs::BodyPairs;
 use super::changes::Changes;
 use super::contact::MorphContact;
 
-/// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
+/// The colliders that touch, as of the last run of [`NarrowPhase`](crate::app::MorphCollisionSystems::NarrowPhase).
 ///
 /// Use it as a system parameter: `Res<MorphCollisions>`. It answers questions about colliders ([`contains`](Self::contains),
 /// [`get`](Self::get), [`collisions_with`](Self::collisions_with)) and about bodies ([`contains_bodies`](Self::contains_bodies),
@@ -48,9 +49,9 @@ use super::contact::MorphContact;
 pub struct MorphCollisions {
     #[reflect(ignore)]
     pub(super) current: BTreeMap<(Entity, Entity), MorphContact>,
-    /// The pairs of the contacts in descending order: who is the second collider of which contacts.
+    /// What each collider touches.
     #[reflect(ignore)]
-    descending: BTreeSet<(Entity, Entity)>,
+    neighbours: EntityHashMap<BTreeSet<Entity>>,
     /// The same contacts, grouped by bodies.
     #[reflect(ignore)]
     pub(crate) bodies: BodyPairs,
@@ -66,17 +67,8 @@ impl MorphCollisions {
 
     /// The contacts of one collider, in ascending order. Takes time for these contacts only.
     pub fn collisions_with(&self, collider: Entity) -> impl Iterator<Item = &MorphContact> {
-        let from = (collider, Entity::from_bits(0));
-        let lower = self
-            .descending
-            .range(from..)
-            .take_while(move |(second, _)| *second == collider);
-        let lower = lower.filter_map(|&(second, first)| self.current.get(&(first, second)));
-        let higher = self
-            .current
-            .range(from..)
-            .take_while(move |((first, _), _)| *first == collider);
-        lower.chain(higher.map(|(_, contact)| contact))
+        let neighbours = self.neighbours.get(&collider).into_iter().flatten();
+        neighbours.filter_map(move |&other| self.get(collider, other))
     }
 
     /// Whether two colliders touch, in either order.
@@ -143,7 +135,7 @@ impl MorphCollisions {
     /// Ends the contacts of pairs that may not touch any more.
     pub(crate) fn end_unless(&mut self, may_touch: impl Fn((Entity, Entity)) -> bool) {
         for (pair, contact) in self.current.extract_if(.., |pair, _| !may_touch(*pair)) {
-            self.descending.remove(&(pair.1, pair.0));
+            forget(&mut self.neighbours, pair);
             self.changes.ended.push(contact);
         }
     }
@@ -156,7 +148,8 @@ impl MorphCollisions {
             *before = MorphContact { impact, ..contact };
         } else {
             self.current.insert(pair, contact);
-            self.descending.insert((pair.1, pair.0));
+            self.neighbours.entry(pair.0).or_default().insert(pair.1);
+            self.neighbours.entry(pair.1).or_default().insert(pair.0);
             self.changes.started.push(pair);
         }
     }
@@ -164,7 +157,7 @@ impl MorphCollisions {
     /// Two colliders do not touch: ends their contact if there is one.
     pub(crate) fn part(&mut self, pair: (Entity, Entity)) {
         if let Some(contact) = self.current.remove(&pair) {
-            self.descending.remove(&(pair.1, pair.0));
+            forget(&mut self.neighbours, pair);
             self.changes.ended.push(contact);
         }
     }
@@ -173,5 +166,17 @@ impl MorphCollisions {
     pub(crate) fn end_run(&mut self, passed: Vec<MorphContact>) {
         self.changes.end_run(passed);
         self.pair_bodies();
+    }
+}
+
+/// Two colliders do not touch any more.
+fn forget(neighbours: &mut EntityHashMap<BTreeSet<Entity>>, pair: (Entity, Entity)) {
+    for (collider, other) in [pair, (pair.1, pair.0)] {
+        if let Some(of) = neighbours.get_mut(&collider) {
+            of.remove(&other);
+            if of.is_empty() {
+                neighbours.remove(&collider);
+            }
+        }
     }
 }

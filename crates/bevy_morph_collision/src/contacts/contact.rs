@@ -43,7 +43,7 @@ pub struct MorphContact {
     pub is_truncated: bool,
     /// Up to four contact points, deepest first. Only in mode [`Contacts`](MorphCollisionMode::Contacts).
     pub points: Vec<MorphContactPoint>,
-    /// How the contact began, if one of the colliders is [continuous](crate::MorphCollider::continuous). It stays the same as long as
+    /// How the contact began, if one of the colliders is [continuous](crate::components::MorphCollider::continuous). It stays the same as long as
     /// the contact lasts. `None` if they were not compared on their way when the contact began.
     ///
     /// If the contact began and ended between two runs, `point`, `normal` and `triangles` are those of the impact.

@@ -5,7 +5,7 @@ use morph_collision::TrianglePair;
 
 use super::no_triangles::no_triangles;
 
-/// When and where a contact of a [continuous](crate::MorphCollider::continuous) collider began, between the last run and this one.
+/// When and where a contact of a [continuous](crate::components::MorphCollider::continuous) collider began, between the last run and this one.
 ///
 /// Between the two runs, every vertex moves on a straight line in the world. For these lines the answer is exact.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub struct MorphImpact {
     /// The triangles of these features: `triangle_a` of `collider1`, `triangle_b` of `collider2`. Where several triangles have the
     /// vertex or edge, it is one of them.
     ///
-    /// Not reflected: both are [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) in a value created by reflection.
+    /// Not reflected: both are [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE) in a value created by reflection.
     #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
     /// The barycentric coordinates of the point in each triangle, for example to stick a [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor)
@@ -51,7 +51,7 @@ pub enum MorphImpactFeatures {
     /// because of their layers.
     AtStart,
     /// It takes too much work to tell whether anything touched on the way (`docs/continuous.md`). They may have touched at `earliest` or
-    /// later. `normal` and `velocity` are zero, and `triangles` are [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
+    /// later. `normal` and `velocity` are zero, and `triangles` are [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE).
     Undecided,
 }
 

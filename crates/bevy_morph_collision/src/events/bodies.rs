@@ -8,7 +8,7 @@ use crate::contacts::{MorphCollisions, MorphContact, MorphImpact};
 use crate::state::{MorphCollisionDiagnostics, Runs};
 
 /// Two bodies started touching: a collider of one touches a collider of the other, and none did in the previous run. With
-/// [continuous](crate::MorphCollider::continuous) colliders, they may have touched only on the way from the previous run.
+/// [continuous](crate::components::MorphCollider::continuous) colliders, they may have touched only on the way from the previous run.
 ///
 /// As a [`Message`] it is sent once per pair, with `body1 < body2`. As an [`EntityEvent`] it is triggered for each of the two, as
 /// `body1`. You only need an observer on the body, which for a [`MorphColliderScene`](crate::components::MorphColliderScene) is the scene's
@@ -41,18 +41,18 @@ pub struct MorphBodyCollisionStart {
     pub collider1: Entity,
     /// The collider of `body2`.
     pub collider2: Entity,
-    /// Where they touch, in world space; see [`MorphCollisionStart::point`](crate::MorphCollisionStart::point).
+    /// Where they touch, in world space; see [`MorphCollisionStart::point`](crate::events::MorphCollisionStart::point).
     pub point: Vec3,
     /// The unit vector along which `body1` moves out of `body2`; see
-    /// [`MorphCollisionStart::normal`](crate::MorphCollisionStart::normal).
+    /// [`MorphCollisionStart::normal`](crate::events::MorphCollisionStart::normal).
     pub normal: Vec3,
-    /// When and where the contact of these two colliders began; see [`MorphContact::impact`](crate::MorphContact::impact).
+    /// When and where the contact of these two colliders began; see [`MorphContact::impact`](crate::contacts::MorphContact::impact).
     pub impact: Option<MorphImpact>,
 }
 
 /// Two bodies stopped touching: none of their colliders touch any more.
 ///
-/// It is sent in the same way as [`MorphBodyCollisionStart`]. If bodies with [continuous](crate::MorphCollider::continuous)
+/// It is sent in the same way as [`MorphBodyCollisionStart`]. If bodies with [continuous](crate::components::MorphCollider::continuous)
 /// colliders touch only between two runs, both are sent in the same run, the start first. It is also sent when colliders were
 /// despawned, were disabled or left the body. The bodies may no longer exist; the entity event is triggered only for bodies that do.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]

@@ -33,14 +33,14 @@ pub struct MorphCollisionStart {
     /// The unit vector along which `collider1` moves out of `collider2`; see [`MorphContact::normal`]. With an impact, when they
     /// first touched.
     pub normal: Vec3,
-    /// When and where the contact began, if one of the colliders is [continuous](crate::MorphCollider::continuous); see
+    /// When and where the contact began, if one of the colliders is [continuous](crate::components::MorphCollider::continuous); see
     /// [`MorphContact::impact`].
     pub impact: Option<MorphImpact>,
 }
 
 /// Two colliders stopped touching.
 ///
-/// It is sent in the same way as [`MorphCollisionStart`]. If a contact of a [continuous](crate::MorphCollider::continuous) collider
+/// It is sent in the same way as [`MorphCollisionStart`]. If a contact of a [continuous](crate::components::MorphCollider::continuous) collider
 /// begins and ends between two runs, both are sent in the same run, the start first. It is also sent when a collider
 ///
 /// - was despawned, so the entities may no longer exist;

@@ -68,7 +68,7 @@ pub enum ImportError {
     /// The model data is invalid.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A setting of [`MorphTreeOptions`](crate::import::MorphTreeOptions) is out of range.
+    /// A setting of [`MorphTreeOptions`](crate::components::MorphTreeOptions) is out of range.
     #[error(transparent)]
     Settings(#[from] InputError),
 }

@@ -1,4 +1,4 @@
-//! Turns Bevy's [`Mesh`] into a shared tree: copies it on the main thread, builds in the background, hands out the result.
+//! Turns Bevy's `Mesh` into a shared tree: copies it on the main thread, builds in the background, hands out the result.
 //!
 //! - `trees`: [`MorphTrees`], all trees and the systems that build them. `tree_key`: what they depend on. `mesh_tree`: one of them.
 //! - `mesh_data`, `copy`: the copy of a mesh, made in parts. `decode`, `skin_data`, `triangles`: how Bevy stores its positions, joints and

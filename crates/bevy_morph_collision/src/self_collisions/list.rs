@@ -5,7 +5,7 @@ use morph_collision::TrianglePair;
 
 /// Reports where the mesh of a [`MorphCollider`](crate::components::MorphCollider) intersects itself: lips and teeth, a hand in the hip.
 ///
-/// Put it on the entity of a mesh collider of any mode, also a passive one. The plugin updates it in every run and sends [`MorphSelfCollisionStart`] and [`MorphSelfCollisionEnd`].
+/// Put it on the entity of a mesh collider of any mode, also a passive one. The plugin updates it in every run and sends [`MorphSelfCollisionStart`](crate::self_collisions::MorphSelfCollisionStart) and [`MorphSelfCollisionEnd`](crate::self_collisions::MorphSelfCollisionEnd).
 ///
 /// Touching triangles are grouped into [regions](MorphSelfContact). Two triangles with a common vertex never count, although they
 /// always touch. The answer is exact for the mesh as it is drawn now, whatever the collider's margin and tolerance are. Different
@@ -94,7 +94,7 @@ pub struct MorphSelfContact {
     /// The mean of the middles of its triangles, in world space.
     pub point: Vec3,
     /// The pairs of intersecting triangles, sorted; the smaller number first. Numbered as in
-    /// [`MorphContact::triangles`](crate::MorphContact::triangles), and never empty unless created by reflection.
+    /// [`MorphContact::triangles`](crate::contacts::MorphContact::triangles), and never empty unless created by reflection.
     #[reflect(ignore)]
     pub triangles: Vec<TrianglePair>,
 }

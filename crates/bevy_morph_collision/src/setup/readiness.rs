@@ -19,7 +19,7 @@ use crate::state::{ColliderState, Readiness};
 /// when it got other [`MorphTreeOptions`]. Not triggered by changes of weights or joints. A [`MorphShape`] is ready immediately.
 ///
 /// Always triggered in [`PostUpdate`], whatever schedule collision detection runs in, and even while it is
-/// [paused](crate::MorphCollisionSettings::paused).
+/// [paused](crate::components::MorphCollisionSettings::paused).
 #[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Event, Debug, Clone, PartialEq)]
 pub struct MorphColliderReady {

@@ -23,7 +23,7 @@ pub(crate) struct TreeUser {
 }
 
 impl TreeUserItem<'_, '_> {
-    /// The key of the collider's tree; `None` if it user no mesh or has a shape.
+    /// The key of the collider's tree; `None` if it shows no mesh or has a shape.
     pub(crate) fn key(&self) -> Option<TreeKey> {
         // A shape collides in place of the mesh.
         let mesh = self.mesh.filter(|_| !self.has_shape)?;

@@ -19,8 +19,8 @@ pub struct MorphRayHit {
     /// Which side of the triangle the ray sees; [`Facing::Front`] on a shape. Not reflected: it is [`Facing::EdgeOn`] in a value created by reflection.
     #[reflect(ignore, default = "edge_on")]
     pub facing: Facing,
-    /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::MorphContact::triangles). On a shape it is
-    /// [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
+    /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::contacts::MorphContact::triangles). On a shape it is
+    /// [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE).
     pub triangle: u32,
     /// The barycentric coordinates of the point in the triangle; zero on a shape.
     pub barycentrics: Vec3,
@@ -45,7 +45,7 @@ pub struct MorphShapeHit {
     pub point: Vec3,
     /// The unit vector from the collider towards the shape. It may be zero if they touch at the start.
     pub normal: Vec3,
-    /// The triangle's number in its mesh; [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) for a collider that is a
+    /// The triangle's number in its mesh; [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE) for a collider that is a
     /// [`MorphShape`](crate::components::MorphShape).
     pub triangle: u32,
 }
@@ -63,7 +63,7 @@ pub struct MorphProjection {
     /// The unit normal of the triangle, by its winding in world space; zero if the triangle has no area. For a shape, it points
     /// towards the query point; zero if that is inside the shape.
     pub normal: Vec3,
-    /// The triangle's number in its mesh. For a shape it is [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
+    /// The triangle's number in its mesh. For a shape it is [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE).
     pub triangle: u32,
     /// The barycentric coordinates of the point in the triangle; zero in a shape.
     pub barycentrics: Vec3,
@@ -85,8 +85,8 @@ pub struct MorphClosestPoints {
     pub point2: Vec3,
     /// The distance, in world units; 0 if and only if the colliders touch.
     pub distance: f32,
-    /// The triangles on which the points are; [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) for a shape. Not
-    /// reflected: both are [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) in a value created by reflection.
+    /// The triangles on which the points are; [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE) for a shape. Not
+    /// reflected: both are [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE) in a value created by reflection.
     #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
 }

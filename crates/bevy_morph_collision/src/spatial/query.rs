@@ -22,8 +22,8 @@ use crate::state::{ColliderState, Form, RunTimes, Runs};
 /// - **State.** Queries see colliders in the state of the plugin's last run. Later changes of weights and transforms in a frame
 ///   count from the next run on. Nodes that a query refits stay refitted for later queries.
 /// - **Order.** In the plugin's own schedule, order your system before
-///   [`MorphCollisionSystems::Weights`](crate::MorphCollisionSystems::Weights) or after
-///   [`MorphCollisionSystems::Events`](crate::MorphCollisionSystems::Events). In between, weights are new but transforms are old.
+///   [`MorphCollisionSystems::Weights`](crate::app::MorphCollisionSystems::Weights) or after
+///   [`MorphCollisionSystems::Events`](crate::app::MorphCollisionSystems::Events). In between, weights are new but transforms are old.
 /// - **What is found.** Colliders that are [disabled](crate::components::MorphColliderDisabled) or whose mesh is not loaded yet are not
 ///   found. Meshes are surfaces, [`MorphShape`](crate::components::MorphShape)s are solid: a ray that starts inside a shape hits it at once.
 /// - **Cost.** A tree over the boxes of all colliders finds the relevant ones. The first query after a run with changes updates

@@ -1,4 +1,4 @@
-//! State that all queries share: the index of colliders, borrow memory, and warnings already logged.
+//! State that all queries share: the index of colliders, memory, and warnings already logged.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -12,7 +12,7 @@ pub struct MorphCollisionDiagnostics {
     /// Colliders that took part.
     pub colliders: u64,
     /// Colliders that collisions saw in an earlier state because they have moved by at most their
-    /// [tolerance](crate::MorphCollider::tolerance) since then.
+    /// [tolerance](crate::components::MorphCollider::tolerance) since then.
     pub held_colliders: u64,
     /// Pairs of colliders whose world-space bounds overlap. Other pairs are apart and not counted.
     pub overlapping_pairs: u64,
@@ -20,7 +20,7 @@ pub struct MorphCollisionDiagnostics {
     pub skipped_same_body: u64,
     /// Overlapping pairs excluded by [`MorphCollisionLayers`](crate::components::MorphCollisionLayers).
     pub skipped_layers: u64,
-    /// Overlapping pairs of [passive](crate::MorphCollisionMode::Passive) colliders.
+    /// Overlapping pairs of [passive](crate::components::MorphCollisionMode::Passive) colliders.
     pub skipped_passive: u64,
     /// Overlapping pairs of two [shapes](crate::components::MorphShape).
     pub skipped_rigid: u64,
@@ -29,7 +29,7 @@ pub struct MorphCollisionDiagnostics {
     /// Candidate pairs that keep their last answer because neither collider changed, or only within its tolerance.
     pub skipped_unchanged: u64,
     /// Pairs that were compared on their way from the last run, because a collider is
-    /// [continuous](crate::MorphCollider::continuous) and they did not touch then.
+    /// [continuous](crate::components::MorphCollider::continuous) and they did not touch then.
     pub swept_pairs: u64,
     /// Swept pairs that took so much work that it was cut short. What is reported about them is on the safe side: they count as touching
     /// ([`MorphImpactFeatures::Undecided`](crate::contacts::MorphImpactFeatures)), or as touching earlier than they do.

@@ -31,7 +31,7 @@ use crate::state::{ColliderState, Preparation};
 ///
 /// The entity follows the drawn surface. It is placed in [`PostUpdate`], with the weights, joints and [`GlobalTransform`] with
 /// which the mesh is drawn in this frame. This does not depend on the schedule of collision detection, and also works while that
-/// is [paused](crate::MorphCollisionSettings::paused) and while the collider has
+/// is [paused](crate::components::MorphCollisionSettings::paused) and while the collider has
 /// [`MorphColliderDisabled`](crate::components::MorphColliderDisabled). If weights or joints cannot be used, the anchor uses the last valid
 /// ones of the collider.
 ///

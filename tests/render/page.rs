@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::demos;
 use morph_collision_workspace::view::offscreen::Offscreen;
-use morph_collision_workspace::view::page::{self, Hand, Told};
+use morph_collision_workspace::view::page::{self, Hand, PageState};
 use morph_collision_workspace::view::sliders::Sliders;
 use morph_collision_workspace::view::stage::StageCamera;
 
@@ -22,11 +22,11 @@ const SIZE: (u32, u32) = (320, 180);
 fn a_page_is_told_what_the_show_is_at() {
     let _alone = alone();
     let mut demo = offscreen(demos::pass_through(), SIZE);
-    let told = Told::default();
-    page::plugin(demo.app_mut().insert_resource(told.clone()));
+    let page_state = PageState::default();
+    page::plugin(demo.app_mut().insert_resource(page_state.clone()));
     demo.jump(100);
     demo.advance(4);
-    let state = told.now();
+    let state = page_state.now();
     let diagnostics = *demo.app_mut().world().resource::<MorphCollisionDiagnostics>();
     assert_eq!((state.show, state.started, state.drawn), ("pass_through", true, 4));
     assert_eq!(state.frame, frame(&mut demo));
@@ -41,21 +41,21 @@ fn a_page_is_told_what_the_show_is_at() {
 fn a_page_sets_weights_and_gives_them_back() {
     let _alone = alone();
     let mut demo = offscreen(demos::pass_through(), SIZE);
-    let (told, hand) = (Told::default(), Hand::default());
+    let (page_state, hand) = (PageState::default(), Hand::default());
     page::plugin(
         demo.app_mut()
-            .insert_resource(told.clone())
+            .insert_resource(page_state.clone())
             .insert_resource(hand.clone()),
     );
     demo.jump(100);
     demo.advance(2);
-    let own = told.now();
+    let own = page_state.now();
     assert_eq!(own.targets.len(), own.weights.len());
     let by_hand = vec![0.25, -0.5];
     hand.set(Some(by_hand.clone()));
     demo.advance(2);
-    assert_eq!(told.now().weights, by_hand);
-    assert!(told.now().in_hand);
+    assert_eq!(page_state.now().weights, by_hand);
+    assert!(page_state.now().in_hand);
     let models = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
         weights.iter().map(|weights| weights.weights().to_vec()).collect()
     };
@@ -66,14 +66,14 @@ fn a_page_sets_weights_and_gives_them_back() {
     );
     hand.set(None);
     demo.advance(2);
-    assert_ne!(told.now().weights, by_hand);
+    assert_ne!(page_state.now().weights, by_hand);
     // Another model takes the place of the one that they are for.
     hand.set(Some(by_hand));
     demo.advance(2);
     demo.app_mut().insert_resource(Sliders::default());
     demo.advance(2);
-    assert!(!told.now().in_hand);
-    assert_eq!(told.now().targets, own.targets);
+    assert!(!page_state.now().in_hand);
+    assert_eq!(page_state.now().targets, own.targets);
 }
 
 /// The materials of all models that can be clicked.

@@ -5,7 +5,7 @@ use std::path::Path;
 use morph_collision_workspace::demos::{self, Inbox, Judged, Verdict};
 use morph_collision_workspace::view::Demo;
 use morph_collision_workspace::view::files::Files;
-use morph_collision_workspace::view::page::{self, Hand, State, Told};
+use morph_collision_workspace::view::page::{self, Hand, PageState, State};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -14,7 +14,7 @@ use wasm_bindgen::prelude::*;
 #[derive(Debug, Default)]
 pub struct Stage {
     files: Files,
-    told: Told,
+    page_state: PageState,
     hand: Hand,
     inbox: Inbox,
     verdict: Verdict,
@@ -48,7 +48,7 @@ impl Stage {
     /// Fails if this program has no demo with that name.
     pub fn start(&self, name: &str, canvas: &str) -> Result<(), String> {
         let demo = self.demo(name).ok_or_else(|| format!("there is no example {name:?}"))?;
-        page::run(demo, canvas, &self.files, self.told.clone(), self.hand.clone());
+        page::run(demo, canvas, &self.files, self.page_state.clone(), self.hand.clone());
         Ok(())
     }
 
@@ -65,7 +65,7 @@ impl Stage {
     /// The current state of the demo, as JSON.
     pub fn state(&self) -> String {
         let report = Report {
-            state: self.told.now(),
+            state: self.page_state.now(),
             model: self.verdict.now(),
         };
         // Numbers and plain names always have a JSON form.

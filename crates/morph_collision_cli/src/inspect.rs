@@ -71,7 +71,7 @@ fn batch(args: &InspectArgs) -> Result<(), CliError> {
             Ok(report) => {
                 for mesh in &report.meshes {
                     if let Some(left_out) = &mesh.left_out {
-                        messages::tell_left_out(model, mesh.index, &mesh.name, left_out.clone());
+                        messages::warn_left_out(model, mesh.index, &mesh.name, left_out.clone());
                     }
                 }
                 SummaryRow::of(&report)

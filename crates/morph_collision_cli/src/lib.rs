@@ -49,7 +49,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-pub use crate::messages::progress::{Listener, Told, listen};
+pub use crate::messages::progress::{Listener, Message, listen};
 
 use crate::error::{AnyError, CliError};
 use crate::messages::progress::ProgressArgs;

@@ -24,7 +24,7 @@ const TOUCHING: [(&str, Scene); 5] = [
 ];
 
 /// Benchmarks a query about two bodies, with everything to be blended and with nothing.
-fn ask<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: impl FnMut(&mut Two) -> T) {
+fn answer<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: impl FnMut(&mut Two) -> T) {
     let mut two = Two::new(scene);
     criterion.bench_function(&format!("{name}/anew"), |bencher| {
         bencher.iter(|| {
@@ -38,14 +38,14 @@ fn ask<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: imp
 fn pairs(criterion: &mut Criterion) {
     for (name, scene) in TOUCHING {
         let (mut query, mut pairs) = (PairQuery::new(), Vec::new());
-        ask(criterion, &format!("pairs/all/{name}"), scene, |two| {
+        answer(criterion, &format!("pairs/all/{name}"), scene, |two| {
             pairs.clear();
             let (a, b) = two.bodies();
             query.all(a, b, &mut pairs);
             pairs.len()
         });
         let mut query = PairQuery::new();
-        ask(criterion, &format!("pairs/first/{name}"), scene, |two| {
+        answer(criterion, &format!("pairs/first/{name}"), scene, |two| {
             let (a, b) = two.bodies();
             query.first(a, b)
         });
@@ -55,7 +55,7 @@ fn pairs(criterion: &mut Criterion) {
 fn contacts(criterion: &mut Criterion) {
     for (name, scene) in TOUCHING {
         let mut query = ContactQuery::new();
-        ask(criterion, &format!("contacts/manifold/{name}"), scene, |two| {
+        answer(criterion, &format!("contacts/manifold/{name}"), scene, |two| {
             let (a, b) = two.bodies();
             query.manifold(a, b).is_some()
         });
@@ -64,7 +64,7 @@ fn contacts(criterion: &mut Criterion) {
 
 fn distance(criterion: &mut Criterion) {
     let mut query = DistanceQuery::new();
-    ask(criterion, "distance/apart", Scene::Apart, |two| {
+    answer(criterion, "distance/apart", Scene::Apart, |two| {
         let (a, b) = two.bodies();
         query.closest(a, b, f64::INFINITY)
     });
@@ -73,7 +73,7 @@ fn distance(criterion: &mut Criterion) {
 fn ray(criterion: &mut Criterion) {
     let mut query = RayQuery::new();
     let ray = Two::new(Scene::Apart).ray();
-    ask(criterion, "ray/closest", Scene::Apart, |two| {
+    answer(criterion, "ray/closest", Scene::Apart, |two| {
         query.closest(two.bodies().0, &ray)
     });
 }

@@ -59,9 +59,9 @@ pub struct State {
 
 /// The state of the last frame. Clones share the same state.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct Told(Arc<Mutex<State>>);
+pub struct PageState(Arc<Mutex<State>>);
 
-impl Told {
+impl PageState {
     /// A copy of the state.
     #[must_use]
     pub fn now(&self) -> State {
@@ -90,7 +90,7 @@ impl Hand {
 
 /// Updates the state after every frame, and takes the page's weights before.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<Told>()
+    app.init_resource::<PageState>()
         .init_resource::<Hand>()
         .add_systems(Update, take)
         .add_systems(Last, tell);
@@ -112,7 +112,7 @@ fn take(hand: Res<Hand>, mut sliders: ResMut<Sliders>) {
 }
 
 fn tell(
-    told: Res<Told>,
+    page_state: Res<PageState>,
     bill: Res<Playbill>,
     clock: Res<Clock>,
     (virtual_time, real): (Res<Time<Virtual>>, Res<Time<Real>>),
@@ -124,7 +124,7 @@ fn tell(
     trouble: Option<Res<Trouble>>,
     mut starts: MessageReader<MorphCollisionStart>,
 ) {
-    let mut state = told.lock();
+    let mut state = page_state.lock();
     *state = State {
         show: bill.name,
         started: clock.started,
@@ -150,7 +150,7 @@ fn tell(
 
 /// Puts a demo into the canvas that this CSS selector finds.
 #[cfg(target_arch = "wasm32")]
-pub fn run(demo: super::Demo, canvas: &str, files: &super::files::Files, told: Told, hand: Hand) {
+pub fn run(demo: super::Demo, canvas: &str, files: &super::files::Files, page_state: PageState, hand: Hand) {
     use super::stage::{self, Place};
 
     let window = Window {
@@ -161,6 +161,8 @@ pub fn run(demo: super::Demo, canvas: &str, files: &super::files::Files, told: T
     let mut app = stage::app(stage::plugins(Some(window)), files);
     super::types::register(&mut app.world().resource::<AppTypeRegistry>().write());
     stage::set(&mut app, demo, Place::Window);
-    app.insert_resource(told).insert_resource(hand).add_plugins(plugin);
+    app.insert_resource(page_state)
+        .insert_resource(hand)
+        .add_plugins(plugin);
     app.run();
 }

@@ -3,29 +3,29 @@
 use std::cell::RefCell;
 
 use morph_collision_cli::lint::{Lint, LintPage};
-use morph_collision_cli::{Told, listen};
+use morph_collision_cli::{Message, listen};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 extern "C" {
     /// An object of the page's script that is told how far the work is.
-    pub type Audience;
+    pub type Page;
 
     /// What is being done, the steps that are done, and all steps: 0 if they are not counted.
     #[wasm_bindgen(method)]
-    fn progress(this: &Audience, what: &str, done: f64, all: f64);
+    fn progress(this: &Page, what: &str, done: f64, all: f64);
 
     /// What is left out of the report, and why.
     #[wasm_bindgen(method)]
-    fn warning(this: &Audience, text: &str);
+    fn warning(this: &Page, text: &str);
 
     /// A bug in this program.
     #[wasm_bindgen(method)]
-    fn panicked(this: &Audience, text: &str);
+    fn panicked(this: &Page, text: &str);
 }
 
 thread_local! {
-    static AUDIENCE: RefCell<Option<Audience>> = const { RefCell::new(None) };
+    static PAGE: RefCell<Option<Page>> = const { RefCell::new(None) };
 }
 
 /// A finished report.
@@ -59,34 +59,27 @@ impl Report {
 /// # Errors
 /// Fails with a message that names the file if it cannot be read, has no mesh that can collide, or takes too much memory.
 #[wasm_bindgen]
-pub fn lint(
-    name: &str,
-    bytes: &[u8],
-    pairs: bool,
-    suggest: bool,
-    prove: bool,
-    audience: Audience,
-) -> Result<Report, String> {
-    AUDIENCE.set(Some(audience));
+pub fn lint(name: &str, bytes: &[u8], pairs: bool, suggest: bool, prove: bool, page: Page) -> Result<Report, String> {
+    PAGE.set(Some(page));
     listen(hear);
     std::panic::set_hook(Box::new(|panic| {
         let text = panic.to_string();
-        with_audience(|audience| audience.panicked(&text));
+        with_page(|page| page.panicked(&text));
     }));
     let lint = Lint { pairs, suggest, prove };
     lint.page(name, bytes).map(Report)
 }
 
-fn hear(told: Told<'_>) {
-    with_audience(|audience| match told {
-        Told::Progress { what, steps } => {
+fn hear(told: Message<'_>) {
+    with_page(|page| match told {
+        Message::Progress { what, steps } => {
             let (done, all) = steps.unwrap_or_default();
-            audience.progress(what, done as f64, all as f64);
+            page.progress(what, done as f64, all as f64);
         }
-        Told::Warning(text) => audience.warning(text),
+        Message::Warning(text) => page.warning(text),
     });
 }
 
-fn with_audience(tell: impl FnOnce(&Audience)) {
-    AUDIENCE.with_borrow(|audience| audience.as_ref().map(tell));
+fn with_page(tell: impl FnOnce(&Page)) {
+    PAGE.with_borrow(|page| page.as_ref().map(tell));
 }

@@ -1,7 +1,7 @@
 //! Which of a file's meshes a command takes: those that a scene draws.
 
 use clap::Args;
-use morph_collision_models::gltf::read::{Drawn, Extent, GltfFile};
+use morph_collision_models::gltf::read::{DrawnMesh, Extent, GltfFile};
 use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
@@ -25,7 +25,7 @@ pub(crate) struct DrawnArgs {
 
 impl DrawnArgs {
     /// Everything that is drawn, in the order of meshes, nodes and instances. Says on standard error what is left out.
-    pub(crate) fn drawn(&self, file: &GltfFile) -> Result<Vec<Drawn>, CliError> {
+    pub(crate) fn drawn(&self, file: &GltfFile) -> Result<Vec<DrawnMesh>, CliError> {
         let extent = self.extent(file)?;
         let drawing = file.drawing(extent)?;
         for broken in &drawing.broken {

@@ -221,7 +221,7 @@ pub fn read_mesh(file: &GltfFile, index: usize, node: Option<usize>) -> Result<M
     show_with(file, index, node, &mut found.mesh)?;
     let left_out = LeftOut::of(file, &mut found).map_err(|reason| mesh_error(file, index, reason.into()))?;
     if let Some(left_out) = left_out {
-        messages::tell_left_out(file.path(), index, &found.mesh.name, left_out);
+        messages::warn_left_out(file.path(), index, &found.mesh.name, left_out);
     }
     Ok(found.mesh)
 }

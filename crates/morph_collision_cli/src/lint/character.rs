@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use glam::Affine3A;
-use morph_collision_models::gltf::read::{Drawn, GltfFile};
+use morph_collision_models::gltf::read::{DrawnMesh, GltfFile};
 use morph_collision_models::mesh::Together;
 use morph_collision_models::mesh::{InfluenceSet, MeshSkin, MorphMesh};
 use morph_collision_models::skeleton::Skeleton;
@@ -38,7 +38,7 @@ pub(super) fn characters(
     let is_only = groups.len() == 1;
     for group in groups {
         match group[..] {
-            [Drawn { mesh, node, .. }] => {
+            [DrawnMesh { mesh, node, .. }] => {
                 let known = alone.entry(mesh).or_default();
                 if known.iter().any(|&known| shows_the_same(file, &subjects[known], node)) {
                     continue;
@@ -81,15 +81,15 @@ pub(super) fn characters(
 }
 
 /// What is drawn, by skeleton or node tree; in the order of meshes, like `drawn`.
-fn groups(file: &GltfFile, drawn: Vec<Drawn>) -> Vec<Vec<Drawn>> {
+fn groups(file: &GltfFile, drawn: Vec<DrawnMesh>) -> Vec<Vec<DrawnMesh>> {
     let mut trees = file.trees();
     let first = drawn
         .into_iter()
         .filter(|drawn| drawn.instance.is_none_or(|instance| instance == 0));
-    let rooted: Vec<(Drawn, Option<usize>)> = first
+    let rooted: Vec<(DrawnMesh, Option<usize>)> = first
         .map(|drawn| (drawn, drawn.node.and_then(|node| trees.join(drawn.mesh, node))))
         .collect();
-    let mut groups: Vec<Vec<Drawn>> = Vec::new();
+    let mut groups: Vec<Vec<DrawnMesh>> = Vec::new();
     let mut of_tree: HashMap<usize, usize> = HashMap::new();
     for (drawn, root) in rooted {
         let next = groups.len();
@@ -178,7 +178,7 @@ fn character(
     options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
-    group: &[Drawn],
+    group: &[DrawnMesh],
     refused: &mut Refused,
 ) -> Result<Group, CliError> {
     let mut parts: Vec<Part> = Vec::with_capacity(group.len());
@@ -265,7 +265,7 @@ fn part(
     options: &LintOptions,
     clip_files: &mut ClipFiles<'_>,
     file: &GltfFile,
-    &Drawn { mesh: index, node, .. }: &Drawn,
+    &DrawnMesh { mesh: index, node, .. }: &DrawnMesh,
     known: Option<&MorphMesh>,
     comes_again: bool,
 ) -> Result<(Part, Option<MorphMesh>), CliError> {

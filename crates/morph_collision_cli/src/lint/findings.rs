@@ -8,7 +8,7 @@ use morph_collision_models::memory::{MemoryBudget, OverBudget};
 
 use super::poses::Tried;
 use super::regions::Region;
-use super::search::Found;
+use super::search::NewPairs;
 use super::source::Source;
 
 /// A place of the mesh that touches itself in at least one shape of a source.
@@ -41,7 +41,7 @@ pub(super) struct Findings {
 
 impl Findings {
     /// Adds the regions of a shape.
-    pub(super) fn add(&mut self, tried: &Tried, found: Found, budget: &MemoryBudget) -> Result<(), OverBudget> {
+    pub(super) fn add(&mut self, tried: &Tried, found: NewPairs, budget: &MemoryBudget) -> Result<(), OverBudget> {
         if self
             .current
             .iter()
@@ -166,7 +166,7 @@ impl Finding {
 mod tests {
     use super::*;
 
-    fn found(regions: &[(&[u32], f64)]) -> Found {
+    fn found(regions: &[(&[u32], f64)]) -> NewPairs {
         let region = |&(triangles, depth): &(&[u32], f64)| Region {
             triangles: triangles.to_vec(),
             first_side: triangles[..1].to_vec(),
@@ -174,9 +174,9 @@ mod tests {
             depth,
             length: 0.0,
         };
-        Found {
+        NewPairs {
             regions: regions.iter().map(region).collect(),
-            ..Found::default()
+            ..NewPairs::default()
         }
     }
 

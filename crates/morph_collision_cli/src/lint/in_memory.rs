@@ -77,18 +77,18 @@ mod tests {
     use std::sync::Mutex;
 
     use super::*;
-    use crate::messages::progress::{Told, listen};
+    use crate::messages::progress::{Message, listen};
 
     static HEARD: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-    fn hear(told: Told<'_>) {
+    fn hear(told: Message<'_>) {
         let line = match told {
-            Told::Progress { what, steps: None } => what.to_owned(),
-            Told::Progress {
+            Message::Progress { what, steps: None } => what.to_owned(),
+            Message::Progress {
                 what,
                 steps: Some((done, all)),
             } => format!("{what} {done}/{all}"),
-            Told::Warning(warning) => warning.to_owned(),
+            Message::Warning(warning) => warning.to_owned(),
         };
         HEARD.lock().into_iter().for_each(|mut heard| heard.push(line.clone()));
     }

@@ -35,7 +35,7 @@ pub(super) struct Rules {
 
 /// What a shape does that the rest shape does not.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(super) struct NewPairs {
     /// The new pairs, ascending.
     pub(super) pairs: Vec<TrianglePair>,
     pub(super) regions: Vec<Region>,
@@ -122,9 +122,9 @@ impl Searcher {
     }
 
     /// What a shape does that is not known yet.
-    pub(super) fn find(&mut self, shape: &Tried, known: &[&Known]) -> Result<Found, PoseError> {
+    pub(super) fn find(&mut self, shape: &Tried, known: &[&Known]) -> Result<NewPairs, PoseError> {
         let (pairs, is_truncated) = self.new_pairs(shape, known, MOST_PAIRS)?;
-        Ok(Found {
+        Ok(NewPairs {
             regions: regions(&mut self.pose, &pairs),
             pairs,
             is_truncated,

@@ -80,7 +80,7 @@ pub(crate) fn printable_lines(text: &str) -> String {
 }
 
 /// Says what was left out of a mesh, once.
-pub(crate) fn tell_left_out(file: &Path, mesh: usize, name: &str, left_out: LeftOut) {
+pub(crate) fn warn_left_out(file: &Path, mesh: usize, name: &str, left_out: LeftOut) {
     let found = LeftOutOfMesh {
         file: file.display().to_string(),
         mesh,

@@ -35,7 +35,7 @@ static NOW: Mutex<Option<Activity>> = Mutex::new(None);
 
 /// What a listener is told while a command runs.
 #[derive(Clone, Copy, Debug)]
-pub enum Told<'a> {
+pub enum Message<'a> {
     /// Something begins, or one of its steps is done.
     Progress {
         /// What is being done.
@@ -48,7 +48,7 @@ pub enum Told<'a> {
 }
 
 /// A function that is told about progress and warnings.
-pub type Listener = fn(Told<'_>);
+pub type Listener = fn(Message<'_>);
 
 /// What is being done, and how far it is.
 #[derive(Debug)]
@@ -56,12 +56,12 @@ struct Activity {
     what: String,
     /// Steps done and all steps, if they are counted.
     steps: Option<(u64, u64)>,
-    audience: Audience,
+    listeners: Listeners,
 }
 
 /// Who is told.
 #[derive(Debug)]
-enum Audience {
+enum Listeners {
     Stderr {
         start: Instant,
         every_step: bool,
@@ -73,7 +73,7 @@ enum Audience {
 
 /// Passes progress and warnings of all that follows to a function, from the thread that does the work.
 pub fn listen(listener: Listener) {
-    *now() = Some(Activity::new(Audience::Listener(listener)));
+    *now() = Some(Activity::new(Listeners::Listener(listener)));
 }
 
 fn now() -> MutexGuard<'static, Option<Activity>> {
@@ -83,7 +83,7 @@ fn now() -> MutexGuard<'static, Option<Activity>> {
 impl ProgressArgs {
     /// Starts to show what the program does.
     pub fn start(&self) {
-        *now() = Some(Activity::new(Audience::Stderr {
+        *now() = Some(Activity::new(Listeners::Stderr {
             start: Instant::now(),
             every_step: self.progress == 0,
             bar: None,
@@ -138,7 +138,7 @@ impl Steps {
             if let Some((done, _)) = &mut activity.steps {
                 *done += 1;
             }
-            activity.tell();
+            activity.report();
             line = activity.line_of_step();
         }
         if let Some(line) = line {
@@ -162,30 +162,30 @@ pub(crate) fn end() {
 
 /// Passes a warning to the listener. Returns false if there is none.
 pub(crate) fn warn_listener(warning: &str) -> bool {
-    match now().as_ref().map(|activity| &activity.audience) {
-        Some(Audience::Listener(listener)) => listener(Told::Warning(warning)),
+    match now().as_ref().map(|activity| &activity.listeners) {
+        Some(Listeners::Listener(listener)) => listener(Message::Warning(warning)),
         _ => return false,
     }
     true
 }
 
 impl Activity {
-    fn new(audience: Audience) -> Self {
+    fn new(listeners: Listeners) -> Self {
         Self {
             what: String::new(),
             steps: None,
-            audience,
+            listeners,
         }
     }
 
     fn begin(&mut self, what: String, steps: Option<(u64, u64)>) {
         self.clear();
         (self.what, self.steps) = (what, steps);
-        self.tell();
+        self.report();
     }
 
     fn clear(&mut self) {
-        if let Audience::Stderr { bar, .. } = &mut self.audience
+        if let Listeners::Stderr { bar, .. } = &mut self.listeners
             && let Some(bar) = bar.take()
         {
             bar.finish_and_clear();
@@ -193,9 +193,9 @@ impl Activity {
     }
 
     /// Tells the listener, if there is one.
-    fn tell(&self) {
-        if let Audience::Listener(listener) = self.audience {
-            listener(Told::Progress {
+    fn report(&self) {
+        if let Listeners::Listener(listener) = self.listeners {
+            listener(Message::Progress {
                 what: &self.what,
                 steps: self.steps,
             });
@@ -204,7 +204,7 @@ impl Activity {
 
     /// The line to write to stderr after some time.
     fn line(&self) -> Option<String> {
-        let Audience::Stderr { start, .. } = self.audience else {
+        let Listeners::Stderr { start, .. } = self.listeners else {
             return None;
         };
         let (what, seconds) = (&self.what, start.elapsed().as_secs());
@@ -216,15 +216,15 @@ impl Activity {
 
     /// The line to write after each step, if that is asked for.
     fn line_of_step(&self) -> Option<String> {
-        match self.audience {
-            Audience::Stderr { every_step: true, .. } => self.line(),
+        match self.listeners {
+            Listeners::Stderr { every_step: true, .. } => self.line(),
             _ => None,
         }
     }
 
     /// Updates the line on the terminal.
     fn draw(&mut self) {
-        let Audience::Stderr { bar, .. } = &mut self.audience else {
+        let Listeners::Stderr { bar, .. } = &mut self.listeners else {
             return;
         };
         let bar = bar.get_or_insert_with(|| {
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_line_says_what_is_done_and_how_far_it_is() {
-        let mut activity = Activity::new(Audience::Stderr {
+        let mut activity = Activity::new(Listeners::Stderr {
             start: Instant::now(),
             every_step: false,
             bar: None,

@@ -28,7 +28,7 @@ use crate::picture::Picture;
 pub use finder::PairFinder;
 
 use finder::OwnTrees;
-use picture::{Drawn, PictureArgs};
+use picture::{PictureArgs, PictureReport};
 use replay::Replay;
 use report::RunReport;
 
@@ -175,13 +175,13 @@ fn draw(
     args: &RunArgs,
     replay: &Replay,
     file: OutputFile,
-) -> Result<Drawn, CliError> {
+) -> Result<PictureReport, CliError> {
     let frame = args.picture.frame(&replay.frames);
     let hits = replay::hits_of_frame(cast, args.mode, frame, replay.hits.len())?;
     let bodies = picture::bodies(cast, frame, &hits);
     let picture = Picture::draw(&bodies);
     file.write(|out| picture.write_png(out))?;
-    Ok(Drawn {
+    Ok(PictureReport {
         file: args.picture.picture.clone().unwrap_or_default(),
         frame,
         touching_triangles: picture::touching_triangles(&bodies),

@@ -26,7 +26,7 @@ pub(crate) struct PictureArgs {
 
 /// What was drawn.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-pub(crate) struct Drawn {
+pub(crate) struct PictureReport {
     pub(crate) file: PathBuf,
     pub(crate) frame: usize,
     /// Number of red triangles.

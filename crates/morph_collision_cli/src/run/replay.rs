@@ -49,7 +49,7 @@ pub(crate) fn replay(
     progress: &Steps,
 ) -> Result<Replay, CliError> {
     let mut replay = Replay::default();
-    let mut scratch = Scratch::default();
+    let mut scratch = Buffers::default();
     let before = cast.method.work();
     for frame in 0..cast.frames.len() {
         let shapes = shapes(cast, frame);
@@ -78,7 +78,7 @@ pub(crate) fn hits_of_frame(
     frame: usize,
     kept: usize,
 ) -> Result<Vec<Hit>, CliError> {
-    let mut scratch = Scratch::default();
+    let mut scratch = Buffers::default();
     let shapes = shapes(cast, frame);
     pose(cast, frame, &shapes)?;
     scratch.collide(cast, frame, mode, kept)?;
@@ -103,7 +103,7 @@ fn pose(cast: &mut Cast<impl PairFinder>, frame: usize, shapes: &[Shape]) -> Res
 
 /// Memory reused from frame to frame.
 #[derive(Default)]
-struct Scratch {
+struct Buffers {
     bounds: Vec<Option<Aabb>>,
     candidates: Vec<(u32, u32)>,
     pairs: Vec<TrianglePair>,
@@ -111,7 +111,7 @@ struct Scratch {
     hits: Vec<Hit>,
 }
 
-impl Scratch {
+impl Buffers {
     /// Broad and narrow phase over bodies whose weights and placements are set.
     ///
     /// Two bodies that collapse to the same point touch in every pair of their triangles. The search therefore fails with an

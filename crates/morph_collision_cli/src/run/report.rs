@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::Mode;
-use super::picture::Drawn;
+use super::picture::PictureReport;
 use super::replay::Replay;
 
 /// The JSON of `run`.
@@ -27,7 +27,7 @@ pub(crate) struct RunReport {
     us_per_frame: Spread,
     /// Present only if a picture was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
-    picture: Option<Drawn>,
+    picture: Option<PictureReport>,
 }
 
 /// The spread of a list of times, in microseconds.
@@ -39,7 +39,13 @@ struct Spread {
 }
 
 impl RunReport {
-    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode, method: &str, picture: Option<Drawn>) -> Self {
+    pub(crate) fn new(
+        replay: &Replay,
+        bodies: usize,
+        mode: Mode,
+        method: &str,
+        picture: Option<PictureReport>,
+    ) -> Self {
         let stats = replay.stats;
         Self {
             frames: replay.frames.len(),
@@ -103,7 +109,7 @@ impl RunReport {
             text,
             "time per frame      median {median:.1} us, mean {mean:.1} us, worst {worst:.1} us"
         )?;
-        if let Some(Drawn {
+        if let Some(PictureReport {
             file,
             frame,
             touching_triangles,

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use morph_collision_models::gltf::read::{Drawn, Extent, GltfFile};
+use morph_collision_models::gltf::read::{DrawnMesh, Extent, GltfFile};
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_models::skeleton::Skeleton;
@@ -193,8 +193,8 @@ pub(crate) fn candidates(
 }
 
 /// What is taken of a file, in the order of meshes.
-fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> Result<Vec<Drawn>, CliError> {
-    let alone = |mesh: usize, node: Option<usize>| Drawn {
+fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> Result<Vec<DrawnMesh>, CliError> {
+    let alone = |mesh: usize, node: Option<usize>| DrawnMesh {
         mesh,
         node,
         instance: None,
@@ -210,7 +210,7 @@ fn wanted(spec: &ModelSpec, nodes: bool, drawn: &DrawnArgs, file: &GltfFile) -> 
     if !nodes {
         return Ok(vec![alone(mesh, None)]);
     }
-    let of_mesh = |extent| -> Result<Vec<Drawn>, CliError> {
+    let of_mesh = |extent| -> Result<Vec<DrawnMesh>, CliError> {
         let mut drawn = file.drawing(extent)?.drawn;
         drawn.retain(|drawn| drawn.mesh == mesh);
         Ok(drawn)
@@ -230,7 +230,7 @@ fn of_one_mesh(
     spec: &ModelSpec,
     nodes: bool,
     file: &GltfFile,
-    of_mesh: &[Drawn],
+    of_mesh: &[DrawnMesh],
     clips: &[String],
     clip_files: &mut ClipFiles<'_>,
 ) -> Result<Vec<Candidate>, CliError> {
@@ -242,7 +242,7 @@ fn of_one_mesh(
     mesh.targets.iter_mut().for_each(|target| *target = Vec::new());
     let mut found: Vec<Candidate> = Vec::new();
     let mut has_one_in_own_space = false;
-    for &Drawn { node, instance, .. } in of_mesh {
+    for &DrawnMesh { node, instance, .. } in of_mesh {
         if let Some(1..) = instance {
             if let Some(last) = found.last().filter(|_| nodes) {
                 let mut body = last.body.clone();

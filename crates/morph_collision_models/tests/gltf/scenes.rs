@@ -1,13 +1,13 @@
 //! What a scene draws: nodes, hidden nodes and instances, each with its own skin, weights and clips.
 
 use glam::{Affine3A, Quat, Vec3};
-use morph_collision_models::gltf::read::{Drawing, Drawn, Extent, ReadError};
+use morph_collision_models::gltf::read::{Drawing, DrawnMesh, Extent, ReadError};
 use serde_json::json;
 
 use crate::support::{Document, F32, I16};
 
 fn drawn(drawing: &Drawing) -> Vec<(usize, Option<usize>, Option<usize>)> {
-    let tuple = |drawn: &Drawn| (drawn.mesh, drawn.node, drawn.instance);
+    let tuple = |drawn: &DrawnMesh| (drawn.mesh, drawn.node, drawn.instance);
     drawing.drawn.iter().map(tuple).collect()
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use morph_collision::QueryStats;
 use thiserror::Error;
 
-use super::Found;
+use super::Answer;
 use super::runner::{Pass, Runner, SplitPass};
 use super::{Contender, Experiment};
 use crate::rivals::PoseError;
@@ -38,7 +38,7 @@ pub struct Row {
     /// The work of one pass over all frames.
     pub work: QueryStats,
     /// The findings per frame.
-    pub found: Vec<Found>,
+    pub found: Vec<Answer>,
     /// Seconds per frame on average; the median over the rounds.
     pub time: f64,
     /// Seconds of each frame, medians over the rounds.
@@ -163,7 +163,7 @@ pub struct Disagreement {
 #[must_use]
 pub fn disagreement(experiment: &Experiment, rows: &[Row], wanted: Wanted) -> Option<Disagreement> {
     let (first, others) = rows.split_first()?;
-    let (what, count): (_, fn(&Found) -> u64) = match wanted {
+    let (what, count): (_, fn(&Answer) -> u64) = match wanted {
         Wanted::All => ("pairs of triangles", |found| found.pairs),
         Wanted::First | Wanted::UpTo(_) => ("touching pairs of bodies", |found| found.touching),
     };

@@ -54,4 +54,4 @@ pub use contender::{Contender, Entrant};
 pub use experiment::{Experiment, Frame};
 pub use machine::{Pinned, cpu, pin};
 pub use measure::{Disagreement, Parts, Plan, Row, disagreement, measure, median};
-pub use questions::{Found, Questions};
+pub use questions::{Answer, Questions};

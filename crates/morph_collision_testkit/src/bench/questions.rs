@@ -15,7 +15,7 @@ pub struct Questions {
 
 /// The findings of a frame. For rays, `pairs` counts those that hit, and `touching` the bodies that were hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Found {
+pub struct Answer {
     /// Pairs of triangles.
     pub pairs: u64,
     /// Pairs of bodies with at least one such pair.
@@ -24,8 +24,8 @@ pub struct Found {
 
 impl Questions {
     /// Broad phase and queries of a frame, or its rays. The bodies' poses must have been set before.
-    pub fn ask(&mut self, experiment: &Experiment, index: usize, method: &mut dyn Method, wanted: Wanted) -> Found {
-        let mut found = Found::default();
+    pub fn answer(&mut self, experiment: &Experiment, index: usize, method: &mut dyn Method, wanted: Wanted) -> Answer {
+        let mut found = Answer::default();
         let bodies = experiment.frames[index].len();
         if let Some(rays) = experiment.rays.get(index) {
             for body in 0..bodies {

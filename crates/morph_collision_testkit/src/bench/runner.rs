@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use morph_collision::QueryStats;
 
-use super::{Contender, Experiment, Found, Questions, Stopwatch};
+use super::{Answer, Contender, Experiment, Questions, Stopwatch};
 use crate::rivals::{Method, PoseError};
 use morph_collision::batch::Wanted;
 
@@ -24,7 +24,7 @@ pub(super) struct Runner {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pass {
     pub(super) work: QueryStats,
-    pub(super) found: Vec<Found>,
+    pub(super) found: Vec<Answer>,
     pub(super) times: Vec<Duration>,
 }
 
@@ -56,7 +56,7 @@ impl Runner {
             let before = self.method.work();
             let clock = Stopwatch::start();
             experiment.set_bodies(self.method.as_mut(), index)?;
-            let found = self.questions.ask(experiment, index, self.method.as_mut(), wanted);
+            let found = self.questions.answer(experiment, index, self.method.as_mut(), wanted);
             pass.times.push(self.since(clock));
             pass.found.push(found);
             pass.work += self.method.work() - before;
@@ -116,14 +116,14 @@ impl Runner {
         }
         if prepared {
             experiment.set_bodies(self.method.as_mut(), index)?;
-            self.questions.ask(experiment, index, self.method.as_mut(), wanted);
+            self.questions.answer(experiment, index, self.method.as_mut(), wanted);
         }
         Ok(())
     }
 
     fn time_asking(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Duration {
         let clock = Stopwatch::start();
-        self.questions.ask(experiment, index, self.method.as_mut(), wanted);
+        self.questions.answer(experiment, index, self.method.as_mut(), wanted);
         self.since(clock)
     }
 

@@ -13,12 +13,12 @@ use crate::oracle::visit_intersecting_pairs;
 /// Bodies with all their vertices in world space.
 #[derive(Debug)]
 pub(super) struct BruteForce {
-    bodies: Vec<Placed>,
+    bodies: Vec<WorldBody>,
     work: QueryStats,
 }
 
 #[derive(Debug)]
-struct Placed {
+struct WorldBody {
     body: BlendedBody,
     posed: Vec<Vec3>,
     world: Vec<DVec3>,
@@ -26,7 +26,7 @@ struct Placed {
 
 impl BruteForce {
     pub(super) fn new(meshes: &[Arc<WeldedMesh>], bodies: &[usize]) -> Self {
-        let placed = |&mesh: &usize| Placed {
+        let placed = |&mesh: &usize| WorldBody {
             body: BlendedBody::new(Arc::clone(&meshes[mesh])),
             posed: meshes[mesh].base.clone(),
             world: meshes[mesh].base.iter().map(|p| p.as_dvec3()).collect(),
@@ -44,7 +44,7 @@ impl Method for BruteForce {
     }
 
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
-        let Placed { body, posed, world } = &mut self.bodies[body];
+        let WorldBody { body, posed, world } = &mut self.bodies[body];
         if body.set(weights, world_from_model)? {
             body.blend(posed);
             self.work.vertices_blended += posed.len() as u64;
@@ -78,7 +78,7 @@ impl Method for BruteForce {
     }
 
     fn cast(&mut self, body: usize, ray: &CastRay) -> Option<CastHit> {
-        let Placed { body, posed, .. } = &self.bodies[body];
+        let WorldBody { body, posed, .. } = &self.bodies[body];
         self.work.triangle_tests += body.mesh.triangles.len() as u64;
         cast_at_all(body, posed, ray)
     }

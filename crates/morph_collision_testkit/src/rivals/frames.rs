@@ -8,7 +8,7 @@ use glam::{Affine3A, DVec3, Vec3, Vec3A};
 use morph_collision::Aabb;
 
 use super::boxes::{Box3, Box8, LANES};
-use super::relative::{Frame, Placed, Relative, abs, column_maxima};
+use super::relative::{Frame, Relative, RoundedBody, abs, column_maxima};
 
 /// More than all rounding of a coordinate in `f32`, in units of the sum of its terms' magnitudes.
 const ROUNDINGS_F32: f64 = 32.0 * (f32::EPSILON as f64 / 2.0);
@@ -101,7 +101,10 @@ pub(super) struct SatLite {
 impl SatLite {
     /// `a` and `b` are boxes around the whole bodies, in their own spaces.
     pub(super) fn new(world_from_a: &Affine3A, a: &Box3, world_from_b: &Affine3A, b: &Box3) -> Self {
-        let (body_a, body_b) = (Placed::new(world_from_a, reach(a)), Placed::new(world_from_b, reach(b)));
+        let (body_a, body_b) = (
+            RoundedBody::new(world_from_a, reach(a)),
+            RoundedBody::new(world_from_b, reach(b)),
+        );
         Self {
             frames: Frame::all(&body_a, &body_b, BoxMap::new),
         }
@@ -144,7 +147,7 @@ fn mapped(map: &Option<BoxMap>, one: &Box3) -> Box3 {
 
 /// A world-space box around all placed vertices of a body; infinite beyond `f32`.
 pub(super) fn world_bounds(world_from_model: &Affine3A, bounds: &Box3) -> Aabb {
-    let body = Placed::new(world_from_model, reach(bounds));
+    let body = RoundedBody::new(world_from_model, reach(bounds));
     match BoxMap::new(&body.to_world(DVec3::ZERO, body.error())) {
         Some(map) => map.one(bounds).aabb(),
         None => Aabb {

@@ -25,7 +25,7 @@ pub(super) struct Frame<M> {
 
 impl<M> Frame<M> {
     /// The spaces of both bodies, or world space if neither can be inverted. `map` makes the map of a volume, if possible.
-    pub(super) fn all(body_a: &Placed, body_b: &Placed, map: impl Fn(&Relative) -> Option<M>) -> Vec<Self> {
+    pub(super) fn all(body_a: &RoundedBody, body_b: &RoundedBody, map: impl Fn(&Relative) -> Option<M>) -> Vec<Self> {
         let error = body_a.error() + body_b.error();
         let mut frames = Vec::with_capacity(2);
         if let Some(b) = body_a.from(body_b, error).and_then(|relative| map(&relative)) {
@@ -48,14 +48,14 @@ impl<M> Frame<M> {
 
 /// A body's affine in `f64`, and how far it reaches in its own space.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(super) struct RoundedBody {
     pub(super) linear: DMat3,
     pub(super) translation: DVec3,
     /// The largest absolute coordinates in model space.
     reach: DVec3,
 }
 
-impl Placed {
+impl RoundedBody {
     pub(super) fn new(world_from_model: &Affine3A, reach: DVec3) -> Self {
         let matrix = world_from_model.matrix3;
         Self {

@@ -10,12 +10,12 @@ mod case;
 mod door;
 mod family;
 mod geometry;
-mod pace;
 mod panics;
 mod parts;
 mod run;
 mod skin_door;
 mod skinned;
+mod work_rate;
 
 #[cfg(test)]
 mod tests;

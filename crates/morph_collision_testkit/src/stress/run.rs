@@ -2,8 +2,8 @@ use morph_collision::BuildOptions;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use super::pace::Pace;
 use super::panics::caught;
+use super::work_rate::WorkRate;
 use super::{Case, Family, knock};
 use crate::rivals::SetUpError;
 use crate::verify::{AnswerSource, Counts, LEAF_SIZES, Trees, judge};
@@ -43,7 +43,7 @@ impl FamilyReport {
 /// The same seed gives the same cases; only times differ. Panics are caught. To silence their messages, hold a
 /// [`Silence`](super::Silence).
 pub fn stress(cases: u64, seed: u64, mut progress: impl FnMut()) -> Vec<FamilyReport> {
-    let ordinary = LEAF_SIZES.map(|leaf_size| caught(|| Pace::ordinary(leaf_size, seed)).ok().flatten());
+    let ordinary = LEAF_SIZES.map(|leaf_size| caught(|| WorkRate::ordinary(leaf_size, seed)).ok().flatten());
     let family = |family| {
         let mut report = FamilyReport::new(family);
         for index in 0..cases {
@@ -79,7 +79,7 @@ impl FamilyReport {
         }
     }
 
-    fn take(&mut self, index: u64, seed: u64, ordinary: &[Option<Pace>; LEAF_SIZES.len()]) {
+    fn take(&mut self, index: u64, seed: u64, ordinary: &[Option<WorkRate>; LEAF_SIZES.len()]) {
         let tree = (index % LEAF_SIZES.len() as u64) as usize;
         let family = self.family;
         let outcome = caught(|| tried(family, index, seed, LEAF_SIZES[tree], ordinary[tree].as_ref()));
@@ -105,7 +105,7 @@ impl FamilyReport {
     }
 }
 
-fn tried(family: Family, index: u64, seed: u64, leaf_size: usize, ordinary: Option<&Pace>) -> Outcome {
+fn tried(family: Family, index: u64, seed: u64, leaf_size: usize, ordinary: Option<&WorkRate>) -> Outcome {
     let case = Case::new(family, index, seed);
     let meshes = [&case.meshes[0], &case.meshes[1]];
     let mut outcome = Outcome::default();
@@ -135,7 +135,7 @@ fn tried(family: Family, index: u64, seed: u64, leaf_size: usize, ordinary: Opti
     let (counts, trouble) = judge(&case.situation.truth(meshes), &mut trees);
     outcome.counts = counts;
     outcome.trouble = trouble.map(|trouble| format!("{trouble:?}"));
-    if let (Some(pace), Some(ordinary)) = (Pace::of(&trees, &case.situation), ordinary) {
+    if let (Some(pace), Some(ordinary)) = (WorkRate::of(&trees, &case.situation), ordinary) {
         outcome.slowdown = pace.slowdown(ordinary);
     }
     outcome

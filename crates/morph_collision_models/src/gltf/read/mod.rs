@@ -76,7 +76,7 @@ pub use self::joint_animation::JointClips;
 pub use self::lfs::{LFS_POINTER, is_lfs_pointer};
 pub use self::mesh::FoundMesh;
 pub use self::roots::Trees;
-pub use self::scenes::{Drawing, Drawn, Extent};
+pub use self::scenes::{Drawing, DrawnMesh, Extent};
 pub use self::skipped::Skipped;
 
 use crate::mesh::MorphMesh;

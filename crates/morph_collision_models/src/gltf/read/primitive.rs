@@ -19,7 +19,7 @@ use crate::mesh::MorphMesh;
 
 /// The kinds of primitives in a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Drawn {
+pub(super) struct Primitives {
     pub(super) triangles: bool,
     pub(super) lines: bool,
     pub(super) points: bool,
@@ -28,7 +28,7 @@ pub(super) struct Drawn {
 /// Reads positions, targets and triangles. The caller sets the names.
 ///
 /// Targets without stored data are left empty. The last value is what was left out.
-pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh, Drawn, Skipped), MeshProblem> {
+pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh, Primitives, Skipped), MeshProblem> {
     let plan = Plan::of(file, mesh)?;
     plan.count_memory(file)?;
     let mut skipped = plan.skipped;
@@ -48,7 +48,7 @@ pub(super) struct Plan<'a> {
     parts: Vec<Part<'a>>,
     vertices: usize,
     triangles: u64,
-    drawn: Drawn,
+    drawn: Primitives,
     /// Whether to leave out what is bad, instead of refusing the mesh.
     skip_bad: bool,
     /// What is known to be left out before anything is decoded.

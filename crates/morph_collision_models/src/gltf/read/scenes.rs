@@ -18,7 +18,7 @@ pub enum Extent {
 
 /// A mesh as it is drawn once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Drawn {
+pub struct DrawnMesh {
     /// The mesh's index in the file.
     pub mesh: usize,
     /// The node that shows it; `None` for a mesh that no node shows, which is in its own space.
@@ -31,7 +31,7 @@ pub struct Drawn {
 #[derive(Debug, Default)]
 pub struct Drawing {
     /// In the order of meshes, then of nodes, then of instances.
-    pub drawn: Vec<Drawn>,
+    pub drawn: Vec<DrawnMesh>,
     /// Nodes that cannot be read. They draw nothing.
     pub broken: Vec<ReadError>,
     /// The number of meshes of the file that are not drawn.
@@ -104,7 +104,7 @@ impl GltfFile {
                 continue;
             }
             let mut add = |instance| {
-                drawing.drawn.push(Drawn {
+                drawing.drawn.push(DrawnMesh {
                     mesh,
                     node: Some(node),
                     instance,
@@ -121,7 +121,7 @@ impl GltfFile {
                 Ok(Some(count)) => {
                     let what = || format!("the list of {count} instances of node {node}");
                     self.budget
-                        .take(count as u64, size_of::<Drawn>() as u64, what)
+                        .take(count as u64, size_of::<DrawnMesh>() as u64, what)
                         .map_err(over)?;
                     (0..count).map(Some).for_each(add);
                 }
@@ -137,7 +137,7 @@ impl GltfFile {
         for (mesh, (is_shown, is_drawn)) in is_shown.into_iter().zip(is_drawn).enumerate() {
             match (scene, is_shown) {
                 _ if is_drawn => {}
-                (None, false) => drawing.drawn.push(Drawn {
+                (None, false) => drawing.drawn.push(DrawnMesh {
                     mesh,
                     node: None,
                     instance: None,

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::{Affine3A, DVec3};
-use morph_collision_models::gltf::read::{Drawn, Extent, GltfFile, ReadError, ReadOptions};
+use morph_collision_models::gltf::read::{DrawnMesh, Extent, GltfFile, ReadError, ReadOptions};
 use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices, world_vertices};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -24,7 +24,7 @@ use rand_pcg::Pcg64Mcg;
 use self::description::Description;
 
 /// The triangles of what a file draws once, at a time.
-fn read(file: &GltfFile, drawn: &Drawn, seconds: f32) -> Result<Vec<[DVec3; 3]>, ReadError> {
+fn read(file: &GltfFile, drawn: &DrawnMesh, seconds: f32) -> Result<Vec<[DVec3; 3]>, ReadError> {
     let mesh = file.mesh(drawn.mesh)?.mesh;
     let targets = mesh.targets.len();
     let mut weights = file.default_weights(drawn.mesh, drawn.node, targets)?;

@@ -70,7 +70,7 @@ fn pass(
     let mut found = 0;
     for index in 0..experiment.frames.len() {
         experiment.set_bodies(&mut *method, index)?;
-        found += questions.ask(experiment, index, method, wanted).pairs;
+        found += questions.answer(experiment, index, method, wanted).pairs;
     }
     Ok(found)
 }

@@ -11,7 +11,7 @@ use super::volume::Volume;
 use super::weights::Blend;
 use crate::rivals::PoseError;
 use crate::rivals::blended::{BlendedBody, WeldedMesh};
-use crate::rivals::relative::Placed;
+use crate::rivals::relative::RoundedBody;
 
 /// A body whose volumes and vertices are blended when a query looks at them, once for the same weights (Sect. 5: time
 /// stamps).
@@ -113,9 +113,9 @@ impl<V: Volume> Body<V> {
     }
 
     /// Its placement, and how far it reaches.
-    pub(super) fn placed(&mut self, work: &mut QueryStats) -> Placed {
+    pub(super) fn placed(&mut self, work: &mut QueryStats) -> RoundedBody {
         let [least, most] = self.aabb(work);
-        Placed::new(&self.body.affine, least.abs().max(most.abs()))
+        RoundedBody::new(&self.body.affine, least.abs().max(most.abs()))
     }
 
     pub(super) fn affine(&self) -> &Affine3A {

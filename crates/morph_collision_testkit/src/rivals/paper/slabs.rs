@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::directions::normals;
 use super::slab_maps::SlabMap;
 use super::volume::Volume;
-use crate::rivals::relative::{Frame, Placed};
+use crate::rivals::relative::{Frame, RoundedBody};
 
 /// The region between `start` and `end` along each of the `H` normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +72,7 @@ impl<const H: usize> Volume for Slabs<H> {
         [&self.start, &self.end].map(|ends| DVec3::new(ends[0], ends[1], ends[2]))
     }
 
-    fn culling(a: &Placed, b: &Placed) -> Self::Culling {
+    fn culling(a: &RoundedBody, b: &RoundedBody) -> Self::Culling {
         Frame::all(a, b, SlabMap::new)
     }
 

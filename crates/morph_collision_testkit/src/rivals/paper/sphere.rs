@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::volume::Volume;
-use crate::rivals::relative::{Placed, ROUNDINGS_F64, abs, row_sum};
+use crate::rivals::relative::{ROUNDINGS_F64, RoundedBody, abs, row_sum};
 
 /// All points within `radius` of `centre`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl Volume for Sphere {
         [self.centre - self.radius, self.centre + self.radius]
     }
 
-    fn culling(a: &Placed, b: &Placed) -> SphereCulling {
+    fn culling(a: &RoundedBody, b: &RoundedBody) -> SphereCulling {
         SphereCulling {
             a: a.linear,
             b: b.linear,

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use crate::rivals::relative::Placed;
+use crate::rivals::relative::RoundedBody;
 
 /// A bounding volume in model space.
 pub(super) trait Volume: Copy + Debug + Send + Sync + 'static {
@@ -30,7 +30,7 @@ pub(super) trait Volume: Copy + Debug + Send + Sync + 'static {
     fn aabb(&self) -> [DVec3; 2];
 
     /// Made once per pair of bodies.
-    fn culling(a: &Placed, b: &Placed) -> Self::Culling;
+    fn culling(a: &RoundedBody, b: &RoundedBody) -> Self::Culling;
 
     /// Whether a volume of body A and one of body B may share a point.
     fn overlap(culling: &Self::Culling, a: &Self, b: &Self) -> bool;

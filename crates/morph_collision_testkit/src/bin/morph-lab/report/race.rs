@@ -11,13 +11,13 @@ use crate::report::record::{ALL, FIRST, Record};
 
 /// An experiment, or the one whose model is missing.
 pub(crate) enum Source {
-    Found(Box<Experiment>),
+    Complete(Box<Experiment>),
     Missing { scene: String, reason: String },
 }
 
 impl From<Experiment> for Source {
     fn from(experiment: Experiment) -> Self {
-        Self::Found(Box::new(experiment))
+        Self::Complete(Box::new(experiment))
     }
 }
 
@@ -37,7 +37,7 @@ impl Source {
     /// Changes the experiment, and the name of the scene.
     pub(crate) fn renamed(mut self, name: String, change: impl FnOnce(&mut Experiment)) -> Self {
         match &mut self {
-            Self::Found(experiment) => {
+            Self::Complete(experiment) => {
                 change(experiment);
                 experiment.name = name;
             }
@@ -59,7 +59,7 @@ pub(crate) fn measure_topic(
     let mut rows = Vec::new();
     for source in sources {
         match source {
-            Source::Found(experiment) => {
+            Source::Complete(experiment) => {
                 eprintln!("{topic}: {}", experiment.title);
                 rows.extend(records(context, &experiment, &candidates(&experiment), rounds)?);
             }

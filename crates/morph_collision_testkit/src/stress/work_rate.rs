@@ -15,12 +15,12 @@ const ORDINARY: u64 = 15;
 
 /// Seconds and intersecting pairs of triangles.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pace {
+pub(super) struct WorkRate {
     seconds: f64,
     pairs: f64,
 }
 
-impl Pace {
+impl WorkRate {
     /// The pace of a first answer, before anything is blended. `None` if the situation is refused.
     pub(super) fn of(trees: &Trees, situation: &Situation) -> Option<Self> {
         let mut seconds = Vec::with_capacity(REPEATS);

@@ -82,7 +82,7 @@ impl Plugin for MorphBoundsPlugin {
             (
                 request_trees_to_cull
                     .in_set(crate::app::MorphCollisionSystems::Import)
-                    .after(crate::import::follow_asset_events)
+                    .after(crate::import::apply_asset_events)
                     .before(crate::import::start_trees)
                     .ambiguous_with(crate::setup::request_trees),
                 (update_bounds, give_back).chain().in_set(MorphBoundsSystems::Bounds),

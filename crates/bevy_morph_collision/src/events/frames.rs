@@ -7,7 +7,7 @@ use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
 
 /// If the schedule is a fixed one, shows the changes to the systems around it, too.
-pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
+pub(crate) fn show_fixed_runs_to_frames(app: &mut App, schedule: InternedScheduleLabel) {
     if !is_fixed(schedule) {
         return;
     }

@@ -13,7 +13,7 @@ pub(crate) use bodies::report_body_changes;
 pub use bodies::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
 pub use colliders::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart};
 pub(crate) use colliders::{list_colliding_entities, report_changes};
-pub(crate) use frames::{begin_empty_run, follow_frames};
+pub(crate) use frames::{begin_empty_run, show_fixed_runs_to_frames};
 
 /// Adds the messages, and registers the types for reflection.
 pub(crate) fn add(app: &mut App) {

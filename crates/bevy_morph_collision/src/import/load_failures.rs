@@ -18,7 +18,7 @@ pub(crate) fn any_may_fail(trees: Res<MorphTrees>, failures: Res<LoadFailures>) 
 }
 
 /// Gives up on requested meshes that cannot be loaded, and takes up again those that were loaded after all, such as on a second try.
-pub(crate) fn follow_load_failures(
+pub(crate) fn update_load_failures(
     mut trees: ResMut<MorphTrees>,
     mut failures: ResMut<LoadFailures>,
     meshes: Res<Assets<Mesh>>,

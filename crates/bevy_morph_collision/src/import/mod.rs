@@ -32,9 +32,9 @@ pub use error::ImportError;
 #[cfg(feature = "gltf")]
 pub(crate) use gltf::repair_split_meshes;
 pub use left_out::MorphLeftOut;
-pub(crate) use load_failures::{LoadFailures, any_may_fail, follow_load_failures};
+pub(crate) use load_failures::{LoadFailures, any_may_fail, update_load_failures};
 pub use progress::MorphTreeProgress;
 pub(crate) use skin_data::influences_of;
 pub(crate) use tree_key::TreeKey;
 pub use trees::MorphTrees;
-pub(crate) use trees::{finish_trees, follow_asset_events, start_trees};
+pub(crate) use trees::{apply_asset_events, finish_trees, start_trees};

@@ -207,7 +207,7 @@ impl std::fmt::Debug for MorphTrees {
 }
 
 /// Rebuilds the trees of modified meshes, and drops those of removed ones.
-pub(crate) fn follow_asset_events(
+pub(crate) fn apply_asset_events(
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut trees: ResMut<MorphTrees>,
     meshes: Res<Assets<Mesh>>,

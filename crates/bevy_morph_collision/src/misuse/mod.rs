@@ -13,7 +13,10 @@
 //! - `physics`: components of other crates that make an entity a collider, such as the one for physics engines.
 //! - `meshes`: meshes that never come, or whose joint weights are odd.
 
-use crate::components::MorphTreeOptions;
+use crate::components::{
+    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionEventsEnabled,
+    MorphCollisionLayers, MorphTeleported, MorphTreeOptions,
+};
 
 mod anchors;
 mod bodies;
@@ -28,12 +31,8 @@ mod verdict;
 use bevy::prelude::*;
 
 use crate::app::{MorphCollisionSystems, Suspects};
-use crate::components::{
-    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionEventsEnabled,
-    MorphCollisionLayers, MorphTeleported,
-};
 use crate::events::MorphCollidingEntities;
-use crate::import::{self};
+use crate::import;
 use crate::self_collisions::MorphSelfCollisions;
 use crate::setup::report_outcomes;
 use crate::surface::MorphSurfaceAnchor;

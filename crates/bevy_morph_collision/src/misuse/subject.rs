@@ -10,10 +10,10 @@ use bevy::prelude::*;
 
 use super::physics::ColliderComponents;
 use crate::app::Names;
-use crate::components::MorphTreeOptions;
 use crate::components::{
     MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
     MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionSettings, MorphShape, MorphTeleported,
+    MorphTreeOptions,
 };
 use crate::events::MorphCollidingEntities;
 use crate::import::{MorphTrees, TreeKey};

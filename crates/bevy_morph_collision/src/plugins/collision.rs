@@ -84,7 +84,7 @@ fn order_stages(app: &mut App, schedule: InternedScheduleLabel) {
                 .before(UpdateFrusta)
                 .before(CheckVisibility),
         );
-    events::follow_frames(app, schedule);
+    events::show_fixed_runs_to_frames(app, schedule);
     if schedule == PostUpdate.intern() {
         app.configure_sets(schedule, stages().after(Stage::Import));
     } else {
@@ -108,7 +108,7 @@ fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
                 setup::request_trees,
             )
                 .chain()
-                .after(import::follow_asset_events)
+                .after(import::apply_asset_events)
                 .before(import::start_trees),
             (
                 setup::report_readiness,
@@ -148,5 +148,5 @@ fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
                 .run_if(not(components::is_running)),
         ),
     )
-    .add_systems(PostUpdate, surface::follow_surfaces.in_set(Stage::Anchors));
+    .add_systems(PostUpdate, surface::move_anchors.in_set(Stage::Anchors));
 }

@@ -16,9 +16,9 @@ use super::hierarchy::Hierarchy;
 use super::open_scenes::OpenScenes;
 use super::scene_part::ScenePart;
 use crate::app::Suspects;
-use crate::components::MorphColliderScene;
 use crate::components::{
-    MorphCollider, MorphColliderOf, MorphCollisionEventsEnabled, MorphCollisionLayers, body_of, give_body,
+    MorphCollider, MorphColliderOf, MorphColliderScene, MorphCollisionEventsEnabled, MorphCollisionLayers, body_of,
+    give_body,
 };
 use crate::setup::SpawnedScenes;
 use crate::state::Preparation;

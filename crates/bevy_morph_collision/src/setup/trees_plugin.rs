@@ -37,9 +37,9 @@ impl Plugin for TreesPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    import::follow_asset_events,
+                    import::apply_asset_events,
                     import::start_trees,
-                    import::follow_load_failures.run_if(import::any_may_fail),
+                    import::update_load_failures.run_if(import::any_may_fail),
                     drop_unused_trees,
                     import::finish_trees,
                 )

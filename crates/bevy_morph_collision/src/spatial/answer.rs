@@ -1,3 +1,5 @@
+//! What queries return.
+
 use bevy::prelude::*;
 use morph_collision::{Facing, Manifold, TrianglePair};
 

@@ -1,3 +1,5 @@
+//! Which colliders a query sees.
+
 use bevy::prelude::*;
 
 use crate::state::Placement;

@@ -1,3 +1,5 @@
+//! Tests of the tree over all colliders.
+
 use super::super::rays::enters;
 use super::*;
 

@@ -1,3 +1,5 @@
+//! The system parameter, and its walk over colliders.
+
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;

@@ -144,7 +144,7 @@ impl DrawnSurfaces<'_, '_> {
 }
 
 /// Moves every anchored entity to its place, ancestors before descendants.
-pub(crate) fn follow_surfaces(
+pub(crate) fn move_anchors(
     anchors: Query<(Entity, &MorphSurfaceAnchor, Option<&ChildOf>)>,
     mut surfaces: DrawnSurfaces,
     mut transforms: Query<(&mut Transform, &mut GlobalTransform)>,

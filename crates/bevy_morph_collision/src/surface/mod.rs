@@ -9,7 +9,7 @@ mod picking;
 use bevy::prelude::*;
 
 pub use anchors::MorphSurfaceAnchor;
-pub(crate) use anchors::follow_surfaces;
+pub(crate) use anchors::move_anchors;
 #[cfg(feature = "picking")]
 pub use picking::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
 

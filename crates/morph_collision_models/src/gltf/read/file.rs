@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::animations::AnimationList;
+use super::animation_list::AnimationList;
 use super::buffers::Buffers;
 use super::compressed::Decoded;
 use super::container::chunks;

@@ -4,11 +4,11 @@ use glam::Vec4;
 
 use super::GltfFile;
 use super::accessor::{FRACTIONS, POINTS, TIMES};
-use super::animation::check_times;
 use super::channels::Animated;
 use super::document::{Animation, Channel};
 use super::error::{AccessorProblem, AnimationProblem, ReadError, Remedy};
 use super::skin::Hierarchy;
+use super::weight_animation::check_times;
 use crate::skeleton::{BrokenClip, Interpolation, JointChannel, JointClip, Property};
 
 /// The clips that move the joints of a mesh, in the order of the file.

@@ -8,8 +8,8 @@
 //!    `draco`), and open and decode accessors (`accessor`).
 //! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`, `target_names`), without its bad parts if asked (`skipped`).
 //! 4. Find what a scene draws: nodes with their mesh and their skin, once for each instance (`scenes`, `nodes`, `instances`).
-//! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animations`,
-//!    `animation`, `joint_animation`).
+//! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animation_list`,
+//!    `weight_animation`, `joint_animation`).
 //! 6. Read the named expressions of avatars (`expressions`).
 //!
 //! Files may come from anywhere:
@@ -27,8 +27,7 @@
 //! that require an unknown one are refused (`extensions`).
 
 mod accessor;
-mod animation;
-mod animations;
+mod animation_list;
 mod attributes;
 mod borrowed;
 mod buffers;
@@ -59,11 +58,11 @@ mod target_names;
 mod triangles;
 mod uri;
 mod view;
+mod weight_animation;
 
 use std::path::Path;
 
-pub use self::animation::Clips;
-pub use self::animations::AnimationInfo;
+pub use self::animation_list::AnimationInfo;
 pub use self::borrowed::{BorrowedClip, Matched};
 pub use self::document::ElementError;
 pub use self::error::{
@@ -78,6 +77,7 @@ pub use self::mesh::FoundMesh;
 pub use self::roots::Trees;
 pub use self::scenes::{Drawing, DrawnMesh, Extent};
 pub use self::skipped::Skipped;
+pub use self::weight_animation::Clips;
 
 use crate::mesh::MorphMesh;
 

@@ -1,3 +1,5 @@
+//! What cannot be written.
+
 use std::io;
 
 use crate::mesh::{MeshSkin, MorphMesh};

@@ -1,3 +1,5 @@
+//! What can be wrong with an accessor.
+
 use super::{BufferProblem, CompressionFault, Remedy};
 use crate::gltf::read::document::ElementError;
 use crate::text::Printable;

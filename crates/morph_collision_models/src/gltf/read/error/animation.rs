@@ -1,3 +1,5 @@
+//! What can be wrong with an animation.
+
 use super::{AccessorProblem, Remedy};
 use crate::gltf::read::document::ElementError;
 use crate::memory::OverBudget;

@@ -1,3 +1,5 @@
+//! What can be wrong with a buffer.
+
 use super::Remedy;
 use crate::gltf::read::document::ElementError;
 use crate::memory::OverBudget;

@@ -1,3 +1,5 @@
+//! What can be wrong with compressed data.
+
 use super::{BufferProblem, Remedy};
 use crate::gltf::read::document::ElementError;
 use crate::memory::OverBudget;

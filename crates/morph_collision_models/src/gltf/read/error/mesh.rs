@@ -1,3 +1,5 @@
+//! What can be wrong with a mesh.
+
 use super::{AccessorProblem, CompressionFault, Remedy};
 use crate::gltf::read::document::ElementError;
 use crate::memory::OverBudget;

@@ -1,3 +1,5 @@
+//! What can be wrong with a skin.
+
 use super::{AccessorProblem, MeshProblem, Remedy};
 use crate::gltf::read::document::ElementError;
 use crate::memory::OverBudget;

@@ -2,7 +2,7 @@
 
 use super::GltfFile;
 use super::accessor::{TIMES, WEIGHTS};
-use super::animations::default_name;
+use super::animation_list::default_name;
 use super::channels::Animated;
 use super::document::{Animation, ElementError, abridged};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};

@@ -13,11 +13,6 @@
 //! - `physics`: components of other crates that make an entity a collider, such as the one for physics engines.
 //! - `meshes`: meshes that never come, or whose joint weights are odd.
 
-use crate::components::{
-    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionEventsEnabled,
-    MorphCollisionLayers, MorphTeleported, MorphTreeOptions,
-};
-
 mod anchors;
 mod bodies;
 mod colliders;
@@ -31,6 +26,10 @@ mod verdict;
 use bevy::prelude::*;
 
 use crate::app::{MorphCollisionSystems, Suspects};
+use crate::components::{
+    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionEventsEnabled,
+    MorphCollisionLayers, MorphTeleported, MorphTreeOptions,
+};
 use crate::events::MorphCollidingEntities;
 use crate::import;
 use crate::self_collisions::MorphSelfCollisions;

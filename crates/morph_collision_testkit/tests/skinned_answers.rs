@@ -94,7 +94,10 @@ fn any_number_of_influences_is_answered_right() -> Result<(), Box<dyn Error>> {
         }
     }
     assert!(pairs > 5000, "{pairs}");
-    let field = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/data/field");
+    let field = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../morph_collision_models/tests/gltf/data/field"
+    );
     let twelve = read_meshes(&Path::new(field).join("c01_twelve_influences.glb"))?;
     assert_right([&twelve[0]; 2], 24, 30)?;
     Ok(())

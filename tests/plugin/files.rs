@@ -291,7 +291,7 @@ fn meshes_without_normals_are_repaired_whichever_plugin_comes_first() {
 /// A file that shows one habit of exporters.
 fn field(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("crates/morph_collision_testkit/tests/gltf/data/field")
+        .join("crates/morph_collision_models/tests/gltf/data/field")
         .join(name)
 }
 

@@ -21,20 +21,6 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The map that applies `first`, then this one.
-    pub(crate) fn after(&self, first: &Self) -> Self {
-        let linear = self.linear * first.linear;
-        let translation = self.linear * first.translation + self.translation;
-        let reach = self.linear.abs() * first.reach() + self.translation.abs();
-        Self {
-            linear,
-            translation,
-            magnitude: first.magnitude,
-            // Three products and sums for each matrix.
-            error: self.error + self.linear.abs() * first.error + 16.0 * U64 * reach,
-        }
-    }
-
     /// The largest absolute coordinates of mapped points.
     pub(super) fn reach(&self) -> DVec3 {
         self.linear.abs() * self.magnitude + self.translation.abs()

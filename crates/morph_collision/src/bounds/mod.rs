@@ -9,9 +9,9 @@ mod frame;
 mod gap;
 mod intervals;
 mod inverse;
-mod joint_map;
 mod kernel;
 mod lanes;
+mod map_frame;
 mod moving_extent;
 mod moving_lanes;
 #[cfg(test)]
@@ -28,10 +28,10 @@ pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, PlacedBounds, visit_frames};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use intervals::{Intervals, intervals_len, push_intervals};
-pub(crate) use joint_map::{Ends, JointMap, MapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};
+pub(crate) use map_frame::MapFrame;
 pub(crate) use moving_extent::{MovingExtent, first_overlap};
 pub(crate) use moving_lanes::MovingLanes;
 #[cfg(test)]

@@ -81,27 +81,9 @@ impl WorldFromModel {
         self.inverse.map_or(1.0, |inverse| inverse.rows.max_element())
     }
 
-    /// A bound on the absolute model-space coordinates of world points whose coordinates differ from `center`'s by at most `radius`.
-    pub(crate) fn model_reach(&self, center: DVec3, radius: f64) -> f64 {
-        let offset = (center - self.translation).abs().max_element();
-        self.inverse_norm() * (radius + offset) * (1.0 + 1e-9)
-    }
-
     /// The world's origin in model space, up to a few roundings.
     pub(crate) fn model_origin(&self) -> DVec3 {
         self.inverse_linear() * -self.translation
-    }
-
-    /// Takes a world-space point to model space. Also returns the error bound along each axis.
-    pub(crate) fn model_point(&self, world: DVec3) -> (DVec3, f64) {
-        let offset = world - self.translation;
-        let reach = offset.abs().max_element() + U64 * (world.abs() + self.translation.abs()).max_element();
-        let error = self.inverse.map_or(0.0, |inverse| inverse.error);
-        let rounding = 8.0 * U64 * self.inverse_norm() + error;
-        (
-            self.inverse_linear() * offset,
-            rounding * reach + self.inverse_norm() * 2.0 * U64 * reach,
-        )
     }
 
     /// Takes a model-space point to world space: per coordinate `((m_x p_x + m_y p_y) + m_z p_z) + t` in `f64`.

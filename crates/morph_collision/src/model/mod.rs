@@ -18,7 +18,7 @@ pub(crate) use displacement::Displacement;
 pub use error::ModelError;
 pub use morph_model::MorphModel;
 pub use skin::Influences;
-pub(crate) use skin::{Influence, Skin, sum_rounding};
+pub(crate) use skin::{Skin, sum_rounding};
 pub use targets::{SparseTarget, TargetDisplacements};
 pub use weight_box::WeightBox;
 pub(crate) use weights::Weights;

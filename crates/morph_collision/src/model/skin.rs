@@ -99,6 +99,20 @@ impl Skin {
         self.max_missing
     }
 
+    /// A range that contains the difference of 1 and the exact sum of a vertex's weights.
+    pub(crate) fn missing(&self, vertex: u32) -> [f64; 2] {
+        let weights = || self.influences(vertex).iter().map(|influence| f64::from(influence.weight));
+        let sum: f64 = weights().sum();
+        // Sums of numbers with 24 bits are exact in `f64` unless some are much smaller than others.
+        let is_exact = weights().all(|weight| weight >= 1.0 / (1 << 24) as f64) && sum <= 8.0;
+        let rounding = if is_exact {
+            0.0
+        } else {
+            sum_rounding(weights().count()) * (1.0 + sum)
+        };
+        [1.0 - sum - rounding, 1.0 - sum + rounding]
+    }
+
     /// The influences of a vertex, in slot order, without those of weight 0.
     #[inline(always)]
     pub(crate) fn influences(&self, vertex: u32) -> &[Influence] {

@@ -3,8 +3,7 @@
 use fearless_simd::Level;
 
 use super::posed::{NodeRef, Posed};
-use super::posed_skin::FrameBoxes;
-use crate::bounds::{Aabb, BoxLanes, Frame, MovingLanes, PlacedBounds};
+use crate::bounds::{Aabb, BoxLanes, MovingLanes};
 use crate::tree::{NodeId, Topology};
 
 /// A tree with a box for every node: those of a pose, or those of a body that moves from one pose to another.
@@ -27,23 +26,6 @@ pub(crate) trait BoxTree {
     fn moving_boxes(&self, _slot: usize) -> Option<&MovingLanes> {
         None
     }
-
-    /// Opens a group whose boxes are kept in the space of a joint; `None` if they are not kept in such a space.
-    fn open_in_joint_frame(&mut self, _group: usize) -> Option<FrameBoxes> {
-        None
-    }
-
-    fn frame_boxes(&self, _boxes: FrameBoxes) -> Option<&BoxLanes> {
-        None
-    }
-
-    /// The map from the space of a joint to the body's; `None` if it could not be computed.
-    fn body_from_joint_frame(&mut self, _frame: usize) -> Option<Frame> {
-        None
-    }
-
-    /// The space of a joint, or the body's own space, as a body in the world.
-    fn placed_space(&mut self, space: usize) -> PlacedBounds;
 
     #[inline(always)]
     fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
@@ -80,25 +62,5 @@ impl BoxTree for Posed<'_> {
     #[inline(always)]
     fn boxes(&self, slot: usize) -> &BoxLanes {
         self.boxes(slot)
-    }
-
-    #[inline(always)]
-    fn open_in_joint_frame(&mut self, group: usize) -> Option<FrameBoxes> {
-        self.open_in_joint_frame(group)
-    }
-
-    #[inline(always)]
-    fn frame_boxes(&self, boxes: FrameBoxes) -> Option<&BoxLanes> {
-        self.frame_boxes(boxes)
-    }
-
-    #[inline(always)]
-    fn body_from_joint_frame(&mut self, frame: usize) -> Option<Frame> {
-        self.body_from_joint_frame(frame)
-    }
-
-    #[inline(always)]
-    fn placed_space(&mut self, space: usize) -> PlacedBounds {
-        self.placed_space(space)
     }
 }

@@ -56,8 +56,7 @@ impl Pose {
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
         let skinning = bvh.model().joint_count().zip(bvh.skin.as_ref()).map(|(joints, skin)| {
-            let joints = JointMatrices::at_rest(joints);
-            let skinning = Skinning::new(skin, joints, bvh.model().vertex_count());
+            let skinning = Skinning::new(skin, JointMatrices::at_rest(joints));
             (WorldFromModel::IDENTITY, skinning)
         });
         let mut pose = Self {
@@ -253,8 +252,6 @@ impl Pose {
         let copy = copy.get_or_insert_with(|| pose.clone());
         let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
             && copy.is_refitted == pose.is_refitted
-            // The boxes of a skinned mesh, and so the order of pairs, also depend on its earlier joints.
-            && copy.joint_changes() == pose.joint_changes()
             && copy.joints() == pose.joints()
             // Refitted boxes are valid for one weight vector only. Weights that one pose has accepted are never refused.
             && (copy.weights() == pose.weights()
@@ -263,10 +260,6 @@ impl Pose {
             copy.clone_from(pose);
         }
         copy
-    }
-
-    fn joint_changes(&self) -> Option<u32> {
-        self.skinning.as_ref().map(|(_, skinning)| skinning.version())
     }
 
     /// Returns the heap memory in bytes, without the shared tree.
@@ -289,7 +282,6 @@ impl Pose {
         Posed {
             world_from_model,
             skin,
-            is_refitted: self.is_refitted,
             model: self.bvh.model(),
             topology: &self.bvh.topology,
             tables: &self.bvh.tables,

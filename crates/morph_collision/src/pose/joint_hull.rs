@@ -8,7 +8,7 @@ use fearless_simd::{Level, f64x4};
 use glam::DVec3;
 
 use super::blend::blend_group;
-use super::skin_blend::MAX_REACH;
+use super::skin_tree::MAX_REACH;
 use crate::bounds::{Aabb, BoxLanes, Extent, LANES, MapFrame, WorldFromModel, with_simd};
 use crate::joints::{Columns, JointMatrices};
 use crate::model::Weights;

@@ -2,13 +2,14 @@
 //!
 //! - Every box comes from [`Posed::open`], which blends it from the tree's tables on first use (`blend`). It stays cached until the
 //!   weights change (`cache`).
-//! - The boxes of skinned meshes are kept in the spaces of joints (`skinning`, `skin_blend`). The root's children can be blended one by one
-//!   (`posed_children`, `outer_boxes`).
+//! - The boxes of skinned meshes are fitted to posed vertices (`posed_vertices`), a chunk of the tree at a time (`chunk_boxes`,
+//!   `posed_skin`). Above the chunks they are computed from one box per joint (`outer_boxes`).
 //! - [`Pose::refit`] fits all boxes to the posed vertices at once instead.
 
 mod blend;
 mod box_tree;
 mod cache;
+mod chunk_boxes;
 mod displacement;
 mod instance;
 mod joint_hull;
@@ -16,10 +17,9 @@ mod outer_boxes;
 mod placed_body;
 mod posed;
 mod posed_bounds;
-mod posed_children;
 mod posed_skin;
+mod posed_vertices;
 mod shape;
-mod skin_blend;
 mod skin_tree;
 mod skinning;
 mod snapshot;

@@ -9,7 +9,6 @@ pub(crate) struct PlacedBody {
     /// Whether it is valid for the pose's current weights and boxes.
     pub(super) is_current: bool,
     pub(crate) root: Child,
-    pub(crate) is_skinned: bool,
     /// In model space.
     pub(crate) bounds: Aabb,
     pub(crate) placed: PlacedBounds,

@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3, Vec3A};
 
 use super::blend::{blend_group, blend_patch};
 use super::cache::EpochCache;
+use super::chunk_boxes::ChunkBoxes;
 use super::placed_body::PlacedBody;
 use super::skinning::Skinning;
 use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
@@ -35,7 +36,6 @@ pub(crate) struct Posed<'a> {
     /// Takes the space of the boxes to world space.
     pub(crate) world_from_model: &'a WorldFromModel,
     pub(super) skin: Option<(&'a SkinTables, &'a mut Skinning)>,
-    pub(super) is_refitted: bool,
     pub(crate) model: &'a MorphModel,
     pub(crate) topology: &'a Topology,
     pub(super) tables: &'a Tables,
@@ -56,6 +56,7 @@ pub(super) struct BlendBuffers {
     corners: Vec<CornerLanes>,
     points: Vec<[f32; 4]>,
     pub(super) world: Vec<[f64; 4]>,
+    pub(super) fitted: ChunkBoxes,
 }
 
 impl Posed<'_> {
@@ -193,6 +194,9 @@ impl Posed<'_> {
 
     /// Replaces all cached boxes with tight ones, fitted from the leaves up. Cost: `O(n)`.
     pub(super) fn refit(&mut self) {
+        if self.is_skinned() {
+            return self.refit_skinned();
+        }
         let topology = self.topology;
         self.boxes.next_epoch();
         // Inserting in this order makes each group's slot equal to its index.
@@ -209,7 +213,6 @@ impl Posed<'_> {
                         let children = topology.group(below).children().len();
                         with_simd!(self.level, simd => self.boxes.get(below).hull(simd, children))
                     }
-                    ChildKind::Leaf(leaf) if self.is_skinned() => self.skinned_leaf_box(leaf),
                     ChildKind::Leaf(leaf) => {
                         corners.clear();
                         self.leaf_corners(leaf, &mut corners);

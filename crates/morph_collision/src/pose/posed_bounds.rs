@@ -4,14 +4,19 @@ use super::blend::max_widening;
 use super::placed_body::PlacedBody;
 use super::posed::Posed;
 use crate::bounds::{Aabb, BoxLanes, BoxMap, PlacedBounds, WorldFromModel, map_into, with_simd, world_map};
-use crate::tree::ChildKind;
+use crate::tree::{ChildKind, Source};
 
 impl Posed<'_> {
-    /// The group of the root's children, or the root's own group if the root is a leaf.
+    /// The group from which the body's bounds are computed: that of the root's children; the root's own group if it is a leaf, or if
+    /// vertices would have to be posed for the boxes of its children.
     pub(super) fn top_group(&self) -> usize {
-        match self.topology.group(0).child(0).kind() {
-            ChildKind::Group(group) => group,
-            ChildKind::Leaf(_) => 0,
+        match (self.topology.group(0).child(0).kind(), &self.skin) {
+            (ChildKind::Leaf(_), _) => 0,
+            (ChildKind::Group(group), None) => group,
+            (ChildKind::Group(group), Some((tables, _))) => match tables.chunks.source(group) {
+                Source::Outer(_) => group,
+                Source::Chunk(_) => 0,
+            },
         }
     }
 
@@ -62,7 +67,7 @@ impl Posed<'_> {
     #[inline]
     pub(crate) fn rounding(&self, size: f32) -> f32 {
         if self.is_skinned() {
-            return self.top_widening();
+            return self.skin.as_ref().map_or(0.0, |(_, skinning)| skinning.widening());
         }
         // Not measured; it only saves ordinary bodies the pass over the targets.
         const MUCH: f32 = 512.0;
@@ -88,7 +93,6 @@ impl Posed<'_> {
             *self.placed_body = PlacedBody {
                 is_current: true,
                 root: self.topology.group(0).child(0),
-                is_skinned: self.is_skinned(),
                 bounds,
                 size: sides.iter().fold(0.0, |size, side| side.abs().max_element().max(size)),
                 slack: placed.error() + rounding * world_from_model.scale(),

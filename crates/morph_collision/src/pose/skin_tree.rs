@@ -5,6 +5,9 @@ use fearless_simd::Level;
 use crate::model::{MorphModel, Weights};
 use crate::tree::SkinTables;
 
+/// Sums of larger coordinates could overflow, so their boxes are infinite.
+pub(super) const MAX_REACH: f32 = 1e37;
+
 /// The parts of the tree and the pose that [`Skinning`](super::skinning::Skinning) needs.
 #[derive(Clone, Copy)]
 pub(super) struct SkinTree<'a> {

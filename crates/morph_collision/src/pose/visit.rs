@@ -36,10 +36,9 @@ impl Pose {
         let mut rest = vec![(posed.root(), was_cached, 0)];
         while let Some((node, was_cached, depth)) = rest.pop() {
             let kind = node.child.kind();
-            let own = posed.box_in_frame(node.id);
             let visited = PosedNode {
-                bounds: own.map_or_else(|| posed.node_box(node), |(bounds, _)| bounds),
-                world_from_bounds: own.map(|(_, world_from_bounds)| world_from_bounds),
+                bounds: posed.node_box(node),
+                world_from_bounds: posed.is_skinned().then_some(*posed.world_from_model),
                 was_cached,
                 depth,
                 is_leaf: matches!(kind, ChildKind::Leaf(_)),

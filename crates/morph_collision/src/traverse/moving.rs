@@ -90,7 +90,6 @@ impl<'m, 'p> Moving<'m, 'p> {
             (of.size, of.slack.max(f64::from(rounding) * space.scale()))
         });
         let mut placed_body = start;
-        placed_body.is_skinned = false; // Boxes of the whole body are in one space.
         placed_body.size = placed_body.size.max(end.size);
         placed_body.slack += end.slack;
         (placed_body.bounds, placed_body.placed) = (bounds, placed);
@@ -164,10 +163,6 @@ impl BoxTree for Moving<'_, '_> {
     #[inline(always)]
     fn moving_boxes(&self, slot: usize) -> Option<&MovingLanes> {
         Some(&self.moving.groups.get(slot).ends)
-    }
-
-    fn placed_space(&mut self, _space: usize) -> PlacedBounds {
-        self.placed_body.placed
     }
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use crate::bounds::{BoxLanes, LANES, LowerBounds, with_simd};
+use crate::bounds::{LANES, LowerBounds, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
@@ -39,9 +39,6 @@ impl<N> PartialEq for Entry<N> {
 
 impl<N> Eq for Entry<N> {}
 
-/// The slot of nodes whose boxes are outer boxes: they are blended if their turn comes.
-const OUTER: usize = u32::MAX as usize;
-
 /// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until a bound exceeds the limit
 /// or `at_leaf` breaks.
 ///
@@ -72,22 +69,10 @@ pub(crate) fn walk_one<'p>(
         count as u64
     };
     queue.clear();
-    *node_tests += match tree.first_group() {
-        0 => enqueue(queue, tree, 0, limit),
-        top => enqueue_outer(queue, tree, top, limit, bounds),
-    };
+    *node_tests += enqueue(queue, tree, 0, limit);
     while let Some(Entry { bound: lowest, node }) = queue.pop() {
         if lowest > limit {
             break;
-        }
-        if node.slot == OUTER as u32 {
-            *node_tests += 1;
-            let bound = bound_of_blended(tree, node, bounds);
-            if bound <= limit {
-                let node = NodeRef { slot: 0, ..node };
-                queue.push(Entry { bound, node });
-            }
-            continue;
         }
         match node.child.kind() {
             ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,
@@ -95,35 +80,4 @@ pub(crate) fn walk_one<'p>(
         }
     }
     ControlFlow::Continue(())
-}
-
-/// Adds the children of the root, with outer boxes unless they have been blended. Returns the number of boxes tested.
-#[inline(never)]
-fn enqueue_outer(queue: &mut Queue, tree: &mut Posed<'_>, top: usize, limit: f64, bounds: &impl LowerBounds) -> u64 {
-    let (level, count) = (tree.level, tree.topology.group(top).children().len());
-    let mut lowest = [0.0; LANES];
-    let mut are_outer = 0;
-    if let Some((boxes, outer)) = tree.outer_boxes() {
-        are_outer = outer;
-        with_simd!(level, simd => bounds.lower_bounds(simd, boxes, count, &mut lowest));
-    }
-    for (lane, &bound) in lowest.iter().enumerate().take(count) {
-        // False for NaN.
-        if bound <= limit {
-            let slot = if are_outer >> lane & 1 == 1 { OUTER } else { 0 };
-            let node = tree.node(slot, top, lane);
-            queue.push(Entry { bound, node });
-        }
-    }
-    count as u64
-}
-
-/// The bound of a child of the root by its blended box.
-#[inline(never)]
-fn bound_of_blended(tree: &mut Posed<'_>, node: NodeRef, bounds: &impl LowerBounds) -> f64 {
-    let mut boxes = BoxLanes::default();
-    boxes.set(0, &tree.blended_child(usize::from(node.id.lane)));
-    let mut lowest = [0.0; LANES];
-    with_simd!(tree.level, simd => bounds.lower_bounds(simd, &boxes, 1, &mut lowest));
-    lowest[0]
 }

@@ -4,14 +4,12 @@ use std::sync::Arc;
 use std::vec;
 
 use super::budget::{Budget, run_to_end};
-use super::clusters::{Cluster, Shares};
 use super::extents::NodeExtents;
 use super::sah::Partition;
-use super::skin_tables::SkinBuilder;
 use super::topology::{Child, Group};
-use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
+use super::{BuildOptions, LeafLanes, MorphBvh, SkinTables, Tables, Topology};
 use crate::bounds::{Kernel, LANES};
-use crate::model::{MorphModel, Skin};
+use crate::model::MorphModel;
 
 /// The maximum depth of a tree. Not measured; trees of real meshes have about ten levels.
 pub(super) const MAX_DEPTH: usize = 256;
@@ -86,18 +84,13 @@ pub(super) async fn build_over(
         splits,
         topology: Topology::new(),
         tables: Tables::default(),
-        skin: match model.skin() {
-            Some(skin) => Some(SkinBuilder::new(dominant_joint(&model, skin, budget).await, skin)),
-            None => None,
-        },
     };
     let above_root = builder.reserve();
-    let (root, clusters) = builder.nodes(&mut triangles).await;
-    builder.finish(above_root, &[root], vec![clusters], true);
+    let (root, extents) = builder.nodes(&mut triangles).await;
+    builder.finish(above_root, &[root], vec![extents]);
     let Builder {
         mut topology,
         mut tables,
-        skin,
         splits,
         ..
     } = builder;
@@ -106,17 +99,14 @@ pub(super) async fn build_over(
     tables.finish();
     topology.shrink_to_fit();
     topology.triangles = triangles;
-    let leaf_lanes = match skin {
-        // Vertices moved by joints are blended one by one.
-        Some(_) => None,
-        None => LeafLanes::new(&model, &topology, budget).await.map(Arc::new),
+    let (leaf_lanes, skin) = match model.skin() {
+        // Vertices moved by joints are posed in chunks.
+        Some(skin) => (None, Some(SkinTables::new(&model, skin, &topology, budget).await)),
+        None => (LeafLanes::new(&model, &topology, budget).await, None),
     };
-    budget
-        .spend(if skin.is_some() { model.vertex_count() } else { 0 })
-        .await;
     MorphBvh {
-        leaf_lanes,
-        skin: skin.map(|skin| Arc::new(skin.finish(&model, &topology))),
+        leaf_lanes: leaf_lanes.map(Arc::new),
+        skin: skin.map(Arc::new),
         model,
         topology: Arc::new(topology),
         tables: Arc::new(tables),
@@ -128,23 +118,11 @@ pub(super) async fn build_over(
     }
 }
 
-/// The joint that moves most of the mesh.
-async fn dominant_joint(model: &MorphModel, skin: &Skin, budget: &Budget) -> u16 {
-    let mut shares = Shares::default();
-    for vertex in 0..model.vertex_count() as u32 {
-        budget.spend(WORK_ON_JOINTS).await;
-        shares.add(skin, vertex);
-    }
-    shares.dominant()
-}
-
-/// The work on the joints of a vertex.
-const WORK_ON_JOINTS: usize = 4;
-
 /// The work of measuring `count` vertices or children on every target.
-fn work_on(model: &MorphModel, count: usize) -> usize {
-    // Joints are not counted, because a vertex has few.
-    count * (WORK_ON_JOINTS + model.target_count())
+pub(super) fn work_on(model: &MorphModel, count: usize) -> usize {
+    /// Joints are not counted one by one, because a vertex has few.
+    const JOINTS: usize = 4;
+    count * (JOINTS + model.target_count())
 }
 
 struct Builder<'a, S> {
@@ -152,8 +130,8 @@ struct Builder<'a, S> {
     budget: &'a Budget,
     splits: S,
     topology: Topology,
+    /// Empty for a skinned mesh.
     tables: Tables,
-    skin: Option<SkinBuilder>,
 }
 
 /// A group whose children are being built.
@@ -162,12 +140,12 @@ struct Open {
     /// The numbers of triangles of the remaining children.
     counts: vec::IntoIter<usize>,
     children: Vec<Child>,
-    clusters: Vec<Vec<Cluster>>,
+    extents: Vec<Option<NodeExtents>>,
 }
 
 impl<S: Splits> Builder<'_, S> {
-    /// Builds all nodes in preorder and reorders `triangles` accordingly. Returns the root and the clusters of its vertices.
-    async fn nodes(&mut self, triangles: &mut [u32]) -> (Child, Vec<Cluster>) {
+    /// Builds all nodes in preorder and reorders `triangles` accordingly. Returns the root and its extents, without those of a skinned mesh.
+    async fn nodes(&mut self, triangles: &mut [u32]) -> (Child, Option<NodeExtents>) {
         let mut open: Vec<Open> = Vec::new();
         let mut range = 0..triangles.len();
         loop {
@@ -184,7 +162,7 @@ impl<S: Splits> Builder<'_, S> {
                     group: self.reserve(),
                     counts,
                     children: Vec::with_capacity(children),
-                    clusters: Vec::with_capacity(children),
+                    extents: Vec::with_capacity(children),
                 });
             }
             self.topology.depth = self.topology.depth.max(open.len());
@@ -193,53 +171,52 @@ impl<S: Splits> Builder<'_, S> {
             // Up again, past all groups whose last child is done.
             loop {
                 let Some(mut parent) = open.pop() else { return node };
-                let (child, clusters) = node;
+                let (child, extents) = node;
                 parent.children.push(child);
-                parent.clusters.push(clusters);
+                parent.extents.push(extents);
                 if let Some(count) = parent.counts.next() {
                     range = range.end..range.end + count;
                     open.push(parent);
                     break;
                 }
                 self.budget.spend(work_on(self.model, parent.children.len())).await;
-                let clusters = self.finish(parent.group, &parent.children, parent.clusters, open.is_empty());
-                node = (Child::group(parent.group), clusters);
+                let extents = self.finish(parent.group, &parent.children, parent.extents);
+                node = (Child::group(parent.group), extents);
             }
         }
     }
 
-    fn leaf(&mut self, triangles: &[u32]) -> (Child, Vec<Cluster>) {
+    fn leaf(&mut self, triangles: &[u32]) -> (Child, Option<NodeExtents>) {
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&triangle| self.model.corners(triangle)).collect();
         let leaf = self.topology.push_leaf(&corners);
-        let vertices = self.topology.leaf_vertices(leaf).iter();
-        let clusters = vertices.map(|&vertex| Cluster::of_vertex(self.model, vertex));
-        (Child::leaf(leaf), Cluster::joined(clusters.collect()))
+        let of_vertex = |&vertex: &u32| NodeExtents::of_vertex(self.model, vertex);
+        let extents = self.model.skin().is_none().then(|| {
+            let parts: Vec<NodeExtents> = self.topology.leaf_vertices(leaf).iter().map(of_vertex).collect();
+            NodeExtents::of_parts(parts.iter())
+        });
+        (Child::leaf(leaf), extents)
     }
 
     /// Reserves the next number in preorder for a group whose children are not known yet.
     fn reserve(&mut self) -> usize {
         self.topology.groups.push(Group::default());
-        match &mut self.skin {
-            Some(skin) => skin.reserve(),
-            None => self.tables.reserve(),
+        if self.model.skin().is_none() {
+            self.tables.reserve();
         }
         self.topology.groups.len() - 1
     }
 
-    /// Stores the children of a group and returns their joined clusters.
-    fn finish(&mut self, group: usize, children: &[Child], clusters: Vec<Vec<Cluster>>, is_top: bool) -> Vec<Cluster> {
+    /// Stores the children of a group and returns their union.
+    fn finish(
+        &mut self,
+        group: usize,
+        children: &[Child],
+        extents: Vec<Option<NodeExtents>>,
+    ) -> Option<NodeExtents> {
         self.topology.groups[group].set(children);
-        if let Some(skin) = &mut self.skin {
-            // Group 0 holds only the root, whose box is the hull of its children's boxes.
-            if group > 0 {
-                skin.fill(group, &clusters, is_top);
-            }
-            return Cluster::joined(clusters.into_iter().flatten().collect());
-        }
-        // Without joints, each child is one cluster.
-        let extents: Vec<NodeExtents> = clusters.into_iter().flatten().map(|cluster| cluster.extents).collect();
+        let extents: Vec<NodeExtents> = extents.into_iter().collect::<Option<_>>()?;
         let whole = NodeExtents::of_parts(extents.iter());
         self.tables.fill(group, &extents, &whole);
-        vec![Cluster::without_joints(whole)]
+        Some(whole)
     }
 }

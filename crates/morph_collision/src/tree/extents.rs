@@ -125,14 +125,6 @@ impl NodeExtents {
         self.targets = all;
     }
 
-    /// A corner of the node's base box, as a point that no target moves.
-    pub(super) fn a_point(&self) -> Self {
-        Self {
-            base: Extent::point(self.base.min),
-            targets: Vec::new(),
-        }
-    }
-
     /// The extents of the node under a target, or `None` if the target does not move it.
     pub(super) fn under(&self, target: u16) -> Option<&TargetExtents> {
         let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;

@@ -12,30 +12,27 @@
 //!
 //! For skinned meshes:
 //!
-//! - `clusters` splits the vertices of each node by their joints.
-//! - `blocks` arranges clusters side by side.
-//! - `skin_tables` stores how joints move them.
-//! - `joint_boxes` bounds the vertices that each joint moves.
-//! - `root_children` bounds the vertices that each joint moves in each child of the root.
+//! - `skin_tables` is stored instead of `tables`.
+//! - `chunks` cuts the tree into subtrees that are posed as a whole, with boxes fitted to their vertices.
+//! - `outer_tables` bounds the nodes above them by the vertices that each joint moves.
+//! - `joint_boxes` bounds the vertices that each joint moves in the whole mesh.
 
 mod adjacency;
-mod blocks;
 mod budget;
 mod build;
 mod builder;
 mod bvh;
 mod certificate_layout;
 mod certificates;
-mod clusters;
+mod chunks;
 mod extents;
 mod joint_boxes;
 mod layout;
 mod layout_error;
 mod leaf_lanes;
 mod options;
+mod outer_tables;
 mod owners;
-
-mod root_children;
 mod sah;
 mod self_front;
 mod skin_tables;
@@ -47,7 +44,9 @@ pub use builder::MorphBvhBuilder;
 pub use bvh::MorphBvh;
 pub use certificates::SelfCertificates;
 pub(crate) use certificates::{Area, OpenPairs};
+pub(crate) use chunks::Source;
 pub(crate) use joint_boxes::JointBoxes;
+pub(crate) use outer_tables::OuterTables;
 pub use layout::TreeLayout;
 pub use layout_error::LayoutError;
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
@@ -55,9 +54,8 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
 pub(crate) use owners::{Owned, Owners};
-pub(crate) use root_children::RootChildren;
 pub(crate) use self_front::{Apart, SelfFront};
-pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
+pub(crate) use skin_tables::SkinTables;
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, NodeId, Topology};
 

@@ -110,6 +110,10 @@ impl Tables {
         }
     }
 
+    pub(super) fn group_count(&self) -> usize {
+        self.headers.len()
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.headers)
             + size_of_val(&*self.targets)

@@ -220,6 +220,21 @@ impl Topology {
         [leaf(node, |_| 0), leaf(node, |group| group.children().len() - 1)]
     }
 
+    /// A group and all groups below it. Cost: the depth of the tree.
+    pub(super) fn groups_below(&self, group: usize) -> Range<usize> {
+        let mut last = group;
+        loop {
+            let mut children = self.group(last).children().iter().rev();
+            match children.find_map(|child| match child.kind() {
+                ChildKind::Group(below) => Some(below),
+                ChildKind::Leaf(_) => None,
+            }) {
+                Some(below) => last = below,
+                None => return group..last + 1,
+            }
+        }
+    }
+
     /// Releases the memory that was reserved for more nodes.
     pub(super) fn shrink_to_fit(&mut self) {
         self.groups.shrink_to_fit();

@@ -198,7 +198,7 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let placed = body.posed().placed();
+        let placed = body.posed().placed_body().placed;
         let (cull, projection) = (
             RayCull::new(line.origin, line.direction, &placed),
             RayProjection::new(line, &placed),

@@ -66,7 +66,7 @@ impl ShapeQuery {
     ) -> Result<Option<ShapeCastHit>, InputError> {
         let direction = unit_direction(direction)?;
         check_length("max_distance", max_distance)?;
-        let sweep = Sweep::new(shape, direction, body.posed().placed());
+        let sweep = Sweep::new(shape, direction, body.posed().placed_body().placed);
         let mut first: Option<ShapeCastHit> = None;
         let mut limit = max_distance;
         let _never_stopped = self.one.walk(

@@ -60,7 +60,7 @@ impl ShapeQuery {
         check_length("max_distance", max_distance)?;
         let target = Box64::point(point);
         let world = PlacedBounds::new(&WorldFromModel::IDENTITY, point.abs());
-        let frames = GapFrame::list(&body.posed().placed(), &world);
+        let frames = GapFrame::list(&body.posed().placed_body().placed, &world);
         let targets: Vec<_> = frames.iter().map(|frame| (frame, frame.image_of_b(&target))).collect();
         let squared_distance = |bounds: &Box64| {
             let squared = |(frame, target): &(&GapFrame, Box64)| frame.squared(&frame.image_of_a(bounds), target);

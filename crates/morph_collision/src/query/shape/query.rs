@@ -165,7 +165,7 @@ impl ShapeQuery {
         limit: f64,
         at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) {
-        let bound = NodeBound::new(shape, body.posed().placed());
+        let bound = NodeBound::new(shape, body.posed().placed_body().placed);
         let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
         let _stopped_early = self.one.walk(body, limit, &bounds, at_triangle);
     }

@@ -48,7 +48,7 @@ impl ShapeQuery {
         limit: usize,
         triangles: &mut Vec<u32>,
     ) -> bool {
-        let placed = body.posed().placed();
+        let placed = body.posed().placed_body().placed;
         let to_model = |plane: &Plane| ModelPlane::new(plane.normal, plane.offset, &placed);
         let planes: Vec<_> = region.planes.iter().map(to_model).collect();
         let reached = |bounds: &Box64| planes.iter().all(|plane| plane.reaches(bounds)).then_some(0.0);

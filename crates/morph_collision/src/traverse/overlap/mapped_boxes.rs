@@ -2,21 +2,17 @@
 
 use fearless_simd::Simd;
 
-use super::joint_mappings::JointMappings;
 use super::mapped_group::{FRAMES, MappedGroup};
 use super::node::{BoxAt, Node};
 use crate::bounds::{Aabb, Frame, LANES, MovingLanes, with_simd};
 use crate::pose::{BoxTree, EpochCache, PlacedBody};
 use crate::traverse::mapping::Mapping;
-use crate::tree::{BODY_FRAME, NodeId};
+use crate::tree::NodeId;
 
 /// The boxes of one body that a query has looked at, in every frame. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct MappedBoxes {
     mappings: [Mapping; FRAMES],
-    joints: JointMappings,
-    /// Whether either body is skinned, so that [`MappedGroup::in_space`] is needed.
-    keeps_spaces: bool,
     /// Number of frames added.
     used: usize,
     /// Converts lengths to the first body's units.
@@ -28,21 +24,15 @@ pub(super) struct MappedBoxes {
 }
 
 impl MappedBoxes {
-    /// Starts a query without frames, in which only the root is known. `any_skinned` says whether this body or the other one is skinned.
-    pub(super) fn begin(&mut self, of: &PlacedBody, scale: f32, any_skinned: bool) {
+    /// Starts a query without frames, in which only the root is known.
+    pub(super) fn begin(&mut self, of: &PlacedBody, scale: f32) {
         self.used = 0;
-        self.joints.begin(of.is_skinned);
-        self.keeps_spaces = any_skinned;
         self.scale = scale;
         self.groups.next_epoch();
         let slot = self.groups.claim(NodeId::ROOT.group as usize);
         let entry = self.groups.get_mut(slot);
         entry.children[0] = of.root;
         (entry.group, entry.mask, entry.len) = (NodeId::ROOT.group, 1, 1);
-        entry.space = BODY_FRAME;
-        if any_skinned {
-            entry.in_space.set(0, &of.bounds);
-        }
         for frame in &mut entry.frames {
             frame.set(0, &Aabb::UNBOUNDED);
         }
@@ -53,7 +43,6 @@ impl MappedBoxes {
         let index = self.used.min(FRAMES - 1);
         self.used += 1;
         self.mappings[index].set(frame);
-        self.joints.push_frame(index, frame);
         let mapped = self.mappings[index].one(bounds);
         let root = self.groups.get_mut(0);
         root.frames[index].set(0, &mapped);
@@ -80,22 +69,10 @@ impl MappedBoxes {
         entry.mask = children.mask();
         entry.len = children.children().len() as u8;
         let used = self.used.min(FRAMES);
-        if let Some(own) = tree.open_in_joint_frame(group) {
-            let mappings = &self.joints.mappings(tree, own.frame)[..used];
-            if let Some(boxes) = tree.frame_boxes(own) {
-                (entry.space, entry.in_space) = (own.frame, *boxes);
-                with_simd!(tree.level(), simd => entry.fill(simd, boxes, mappings, self.scale));
-            }
-        } else {
-            let blended = tree.open(group);
-            entry.space = BODY_FRAME;
-            if self.keeps_spaces {
-                entry.in_space = *tree.boxes(blended);
-            }
-            with_simd!(tree.level(), simd => entry.fill(simd, tree.boxes(blended), &self.mappings[..used], self.scale));
-            if T::MOVES {
-                self.map_moving(tree, blended, slot);
-            }
+        let blended = tree.open(group);
+        with_simd!(tree.level(), simd => entry.fill(simd, tree.boxes(blended), &self.mappings[..used], self.scale));
+        if T::MOVES {
+            self.map_moving(tree, blended, slot);
         }
         slot
     }

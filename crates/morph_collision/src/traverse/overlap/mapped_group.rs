@@ -13,10 +13,6 @@ pub(super) const FRAMES: usize = 2;
 #[derive(Clone, Debug, Default)]
 pub(super) struct MappedGroup {
     pub(super) frames: [BoxLanes; FRAMES],
-    /// The space in which the boxes were blended: that of a joint, or the body's.
-    pub(super) space: usize,
-    /// The boxes in that space. Not filled if neither body is skinned; then it only takes memory.
-    pub(super) in_space: BoxLanes,
     /// The sums of the boxes' sides, in the first body's units.
     pub(super) sizes: Lanes,
     pub(super) children: [Child; LANES],
@@ -50,15 +46,6 @@ impl MappedGroup {
         mask
     }
 
-    /// A child's box in its own space.
-    #[inline(always)]
-    pub(super) fn own_box(&self, lane: usize) -> OwnBox {
-        OwnBox {
-            space: self.space,
-            bounds: self.in_space.get(lane),
-        }
-    }
-
     /// Roughly how deep each child overlaps a child of another body.
     #[inline(always)]
     pub(super) fn depths<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> [f32; LANES] {
@@ -66,11 +53,4 @@ impl MappedGroup {
         self.frames[0].depths(simd, &other.frames[0].get(lane), &mut depths);
         depths
     }
-}
-
-/// A box in the space in which it was blended.
-#[derive(Clone, Copy)]
-pub(super) struct OwnBox {
-    pub(super) space: usize,
-    pub(super) bounds: Aabb,
 }

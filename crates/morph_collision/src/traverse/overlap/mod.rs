@@ -1,8 +1,6 @@
 //! The walk over two trees that finds the leaves whose boxes overlap.
 
 mod depth_sort;
-mod joint_mappings;
-mod joint_spaces;
 mod mapped_boxes;
 mod mapped_group;
 mod node;

@@ -7,7 +7,6 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::depth_sort::DepthSort;
-use super::joint_spaces::JointSpaces;
 use super::mapped_boxes::MappedBoxes;
 use super::node::{BoxAt, Node, NodePair};
 use super::trees::Trees;
@@ -50,9 +49,6 @@ pub(crate) type AtLeaves<'v, T> = dyn FnMut(&mut T, &mut T, &[(Leaf, Leaf)]) -> 
 pub(crate) struct OverlapWalk {
     a: MappedBoxes,
     b: MappedBoxes,
-    /// Used if either body is skinned.
-    joint_spaces: JointSpaces,
-    any_skinned: bool,
     /// The node pairs still to visit.
     stack: Vec<NodePair>,
     /// The same for [`Order::EarliestFirst`], with lower bounds of the times at which their boxes overlap. Its stack has those of which the
@@ -95,12 +91,8 @@ impl OverlapWalk {
     pub(crate) fn begin(&mut self, [a, b]: [&PlacedBody; 2], a_from_b_scale: f32) {
         self.most = u64::MAX;
         self.is_cut = false;
-        self.any_skinned = a.is_skinned || b.is_skinned;
-        self.a.begin(a, 1.0, self.any_skinned);
-        self.b.begin(b, a_from_b_scale, self.any_skinned);
-        if self.any_skinned {
-            self.joint_spaces.begin();
-        }
+        self.a.begin(a, 1.0);
+        self.b.begin(b, a_from_b_scale);
     }
 
     /// Adds a frame and returns whether the bodies' bounds overlap in it. If all frames are in use, replaces the last one.
@@ -166,8 +158,7 @@ impl OverlapWalk {
     ///         they are about equally large -> for each child of A that overlaps B, push B's children that overlap it, each with it
     /// ```
     ///
-    /// Boxes are compared in every frame, eight at once; those that overlap there again in time if they move ([`MappedBoxes::meet`]), and
-    /// in the spaces of their joints if a body is skinned ([`JointSpaces`]).
+    /// Boxes are compared in every frame, eight at once; those that overlap there again in time if they move ([`MappedBoxes::meet`]).
     #[inline(always)]
     fn walk<S: Simd, T: BoxTree>(
         &mut self,
@@ -233,7 +224,7 @@ impl OverlapWalk {
                 if node_b.child.is_leaf() || dominates(self.a.size(node_a), self.b.size(node_b)) =>
             {
                 let slot = self.a.open(trees.a, group);
-                let rows = self.rows(simd, trees, slot, node_b);
+                let rows = self.rows::<S, T>(simd, slot, node_b);
                 if order == Order::DeepestFirst && rows.count_ones() > 1 {
                     let depths = self.a.group(slot).depths(simd, self.b.group_of(node_b), node_b.lane());
                     self.by_depth.add(rows, &depths);
@@ -251,7 +242,7 @@ impl OverlapWalk {
                 let (slot_a, rows) = match kind {
                     ChildKind::Group(group_a) if !dominates(self.b.size(node_b), self.a.size(node_a)) => {
                         let slot = self.a.open(trees.a, group_a);
-                        (slot, self.rows(simd, trees, slot, node_b))
+                        (slot, self.rows::<S, T>(simd, slot, node_b))
                     }
                     _ => (node_a.slot(), 1 << node_a.lane()),
                 };
@@ -262,7 +253,7 @@ impl OverlapWalk {
                             slot: slot_a,
                             lane: row,
                         };
-                        self.descend_row(simd, trees, at_a, slot_b, order);
+                        self.descend_row::<S, T>(simd, at_a, slot_b, order);
                     }
                 }
             }
@@ -275,18 +266,14 @@ impl OverlapWalk {
 
     /// The children in a slot of A that overlap a node of B.
     #[inline(always)]
-    fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, trees: &mut Trees<'_, T>, slot: usize, node_b: Node) -> u8 {
+    fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, slot: usize, node_b: Node) -> u8 {
         let (group, other, lane) = (self.a.group(slot), self.b.group_of(node_b), node_b.lane());
         self.node_tests += u64::from(group.len);
         let mut mask = group.overlaps(simd, other, lane);
         if T::MOVES && mask != 0 {
             mask &= self.a.meet(simd, slot, &self.b, node_b.box_at(), &mut self.enter);
         }
-        if mask == 0 || !self.any_skinned {
-            return mask;
-        }
-        let (own, is_leaf) = (other.own_box(lane), node_b.child.is_leaf());
-        self.joint_spaces.of_a(simd, trees, group, own, is_leaf, mask)
+        mask
     }
 
     /// Pushes the children in a slot of B that overlap a child of A.
@@ -294,7 +281,6 @@ impl OverlapWalk {
     fn descend_row<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: &mut Trees<'_, T>,
         at_a: BoxAt,
         slot_b: usize,
         order: Order<'_>,
@@ -304,12 +290,6 @@ impl OverlapWalk {
         let mut mask = group_b.overlaps(simd, group_a, at_a.lane);
         if T::MOVES && mask != 0 {
             mask &= self.b.meet(simd, slot_b, &self.a, at_a, &mut self.enter);
-        }
-        if mask != 0 && self.any_skinned {
-            let own = group_a.own_box(at_a.lane);
-            mask = self
-                .joint_spaces
-                .of_b(simd, trees, own, group_b, [at_a.slot, slot_b], mask);
         }
         if mask == 0 {
             return;

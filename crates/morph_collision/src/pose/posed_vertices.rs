@@ -1,0 +1,116 @@
+//! The vertices of a skinned mesh in one pose, posed eight at a time when a query first needs one of them.
+
+use fearless_simd::Simd;
+use glam::DVec3;
+
+use super::skin_tree::SkinTree;
+use crate::bounds::{LANES, with_simd};
+use crate::joints::JointMatrices;
+
+/// Posed vertices, in blocks of eight. The memory is reserved when the first one is posed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PosedVertices {
+    /// Blocks and chunks with this stamp are valid.
+    epoch: u32,
+    stamps: Vec<u32>,
+    chunks: Vec<u32>,
+    /// World positions. The fourth number is padding.
+    world: Vec<[f64; 4]>,
+    /// The same relative to the origin of the body's frame, rounded to the nearest `f32`.
+    local: Vec<[f32; 4]>,
+}
+
+impl PosedVertices {
+    /// Discards all positions and keeps the memory.
+    pub(super) fn invalidate(&mut self) {
+        self.epoch = self.epoch.wrapping_add(1);
+        if self.epoch == 0 {
+            self.stamps.fill(0);
+            self.chunks.fill(0);
+            self.epoch = 1;
+        }
+    }
+
+    /// Poses the blocks of a chunk unless they are posed already. Returns the number of vertices that were posed.
+    #[inline(always)]
+    pub(super) fn pose_chunk(
+        &mut self,
+        tree: SkinTree<'_>,
+        joints: &JointMatrices,
+        origin: DVec3,
+        chunk: usize,
+    ) -> u64 {
+        if self.chunks.get(chunk) == Some(&self.epoch) {
+            return 0;
+        }
+        self.pose_blocks_of(tree, joints, origin, chunk)
+    }
+
+    #[inline(never)]
+    fn pose_blocks_of(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, origin: DVec3, chunk: usize) -> u64 {
+        let mut posed = 0;
+        with_simd!(tree.level, simd => {
+            for &block in tree.skin.chunks.blocks(chunk) {
+                posed += self.pose(simd, tree, joints, origin, block as usize);
+            }
+        });
+        self.chunks[chunk] = self.epoch;
+        posed
+    }
+
+    /// Poses a block unless it is posed already. Returns the number of vertices that were posed.
+    #[inline(always)]
+    pub(super) fn pose<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: SkinTree<'_>,
+        joints: &JointMatrices,
+        origin: DVec3,
+        block: usize,
+    ) -> u64 {
+        if self.stamps.is_empty() {
+            self.reserve(tree.model.vertex_count(), tree.skin.chunks.len());
+        }
+        if self.stamps[block] == self.epoch {
+            return 0;
+        }
+        self.stamps[block] = self.epoch;
+        let Some(skin) = tree.model.skin() else { return 0 };
+        let vertices = block * LANES..tree.model.vertex_count().min((block + 1) * LANES);
+        let count = vertices.len() as u64;
+        for vertex in vertices {
+            let position = tree.model.blend_vertex(vertex as u32, tree.weights);
+            let placed = skin.place(simd, vertex as u32, position, joints);
+            self.world[vertex] = placed;
+            let [x, y, z, _] = placed;
+            self.local[vertex] = [(x - origin.x) as f32, (y - origin.y) as f32, (z - origin.z) as f32, 0.0];
+        }
+        count
+    }
+
+    #[cold]
+    fn reserve(&mut self, vertices: usize, chunks: usize) {
+        let blocks = vertices.div_ceil(LANES);
+        let invalid = self.epoch.wrapping_sub(1);
+        self.stamps = vec![invalid; blocks];
+        self.chunks = vec![invalid; chunks];
+        self.world = vec![[0.0; 4]; blocks * LANES];
+        self.local = vec![[0.0; 4]; blocks * LANES];
+    }
+
+    /// World positions by vertex. Those of blocks that are not posed are meaningless.
+    #[inline(always)]
+    pub(super) fn world(&self) -> &[[f64; 4]] {
+        &self.world
+    }
+
+    /// Positions relative to the origin of the body's frame, by vertex.
+    #[inline(always)]
+    pub(super) fn local(&self) -> &[[f32; 4]] {
+        &self.local
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.stamps) + size_of_val(&*self.chunks) + size_of_val(&*self.world) + size_of_val(&*self.local)
+    }
+}

@@ -1,20 +1,25 @@
 //! The immutable mesh: welded base positions, sparse displacements, influences of joints, triangles, and the map from source
-//! to welded vertices.
+//! to welded vertices. Vertices are kept in blocks of eight (`blocks`), which are posed side by side (`posing`).
 
 mod bad_parts;
+mod blocks;
 mod check;
-mod displacement;
+mod displacements;
 mod error;
+mod influence_rows;
 mod morph_model;
+mod posing;
 mod skin;
 mod targets;
+mod vertex_order;
 mod weight_box;
 mod weights;
 mod weld;
 
 pub use bad_parts::BadParts;
+pub(crate) use blocks::BLOCK;
 pub(crate) use check::LARGEST;
-pub(crate) use displacement::Displacement;
+pub(crate) use displacements::Displacement;
 pub use error::ModelError;
 pub use morph_model::MorphModel;
 pub use skin::Influences;
@@ -23,6 +28,8 @@ pub use targets::{SparseTarget, TargetDisplacements};
 pub use weight_box::WeightBox;
 pub(crate) use weights::Weights;
 
+#[cfg(test)]
+mod posing_tests;
 #[cfg(test)]
 mod rounding_tests;
 #[cfg(test)]

@@ -1,32 +1,31 @@
 //! The mesh with its targets and joints.
 
 use std::fmt;
-use std::hash::{BuildHasher, RandomState};
-use std::ops::Range;
 
 use glam::{Vec3, Vec3A};
-use hashbrown::HashTable;
-use hashbrown::hash_table::Entry;
 
+use super::blocks::{BLOCK, BlockVectors, block_and_lane};
+use super::displacements::Displacements;
 use super::skin::{Influences, Skin, SlotInfluences};
 use super::targets::TargetDisplacements;
 use super::weld::{Welded, weld};
-use super::{Displacement, ModelError, Weights, check};
+use super::{Displacement, ModelError, Weights, check, vertex_order};
 use crate::hash::{START, hash};
 
 /// A triangle mesh with morph targets, and with joints if it is skinned. It is immutable and shared by all instances.
 ///
 /// Vertices with equal positions, displacements and influences are welded. The vertices you pass in are the *source* vertices;
-/// [`MorphModel::welded_from_source`] maps them to welded ones. Triangles keep their order and winding. A mesh with neither
-/// targets nor joints is an ordinary rigid mesh.
+/// [`MorphModel::welded_from_source`] maps them to welded ones. They are numbered so that eight consecutive ones, a *block*, are
+/// near each other; a block is posed as a whole. Triangles keep their order and winding. A mesh with neither targets nor joints is
+/// an ordinary rigid mesh.
 ///
 /// Positions are in the mesh's own space and unit. Memory:
 ///
-/// - 20 bytes per welded vertex, and 4 per source vertex
+/// - 13 bytes per welded vertex, and 4 per source vertex
 /// - 12 bytes per triangle
-/// - 12 bytes per displacement: per welded vertex and target that moves it
-/// - 2 bytes per target in each distinct set of targets that moves a vertex
-/// - for skinned meshes, 8 bytes per influence and 4 per welded vertex
+/// - 96 bytes per block and target that moves any of its vertices
+/// - 2 bytes per target in each distinct set of targets that moves a block
+/// - for skinned meshes, 36 bytes per block and joint that moves any of its vertices, and 4 per block
 ///
 /// ```
 /// use glam::{Vec3, vec3};
@@ -40,13 +39,10 @@ use crate::hash::{START, hash};
 /// ```
 #[derive(Clone)]
 pub struct MorphModel {
-    base: Vec<Vec3>,
-    /// `deltas[starts[v]..starts[v + 1]]` are the displacements of vertex `v`, in ascending target order.
-    deltas: Vec<Vec3>,
-    starts: Vec<u32>,
-    /// `targets[lists[v]..]` are the targets that move vertex `v`, one per displacement. Vertices with equal lists share one.
-    targets: Vec<u16>,
-    lists: Vec<u32>,
+    vertex_count: usize,
+    /// By block. No coordinate is -0.
+    base: Vec<BlockVectors>,
+    displacements: Displacements,
     triangles: Vec<[u32; 3]>,
     welded_from_source: Vec<u32>,
     skin: Option<Skin>,
@@ -135,39 +131,32 @@ impl MorphModel {
         check::triangles(triangles, base.len())?;
 
         let Welded {
-            from_source: welded_from_source,
-            firsts,
-            displacements,
+            mut from_source,
+            firsts: mut vertices,
         } = weld(base, targets, influences);
-        let mut deltas = Vec::with_capacity(displacements);
-        let (mut starts, mut lists) = (Vec::with_capacity(firsts.len() + 1), Vec::with_capacity(firsts.len()));
-        starts.push(0);
-        let (mut list, mut known) = (Vec::new(), Lists::default());
-        for &first in &firsts {
-            list.clear();
-            for (target, of_target) in (0..).zip(targets) {
-                let delta = of_target.of(first as usize);
-                if delta != Vec3::ZERO {
-                    list.push(target);
-                    deltas.push(delta);
-                }
-            }
-            starts.push(deltas.len() as u32);
-            lists.push(known.start_of(&list));
+        let mut numbers = vec![0; vertices.len()];
+        vertex_order::sort(&mut vertices, base, influences);
+        for (number, &vertex) in (0..).zip(&vertices) {
+            numbers[from_source[vertex as usize] as usize] = number;
         }
-        known.targets.shrink_to_fit();
+        from_source
+            .iter_mut()
+            .for_each(|welded| *welded = numbers[*welded as usize]);
+        // The sum turns -0 into 0. So no sum of displacements is -0, and adding a zero to it changes no bit.
+        let position = |&vertex: &u32| base[vertex as usize] + Vec3::ZERO;
         Ok(Self {
-            base: firsts.iter().map(|&first| base[first as usize]).collect(),
-            deltas,
-            starts,
-            targets: known.targets,
-            lists,
+            vertex_count: vertices.len(),
+            base: vertices
+                .chunks(BLOCK)
+                .map(|block| BlockVectors::new(block, position))
+                .collect(),
+            displacements: Displacements::new(targets, &vertices),
             triangles: triangles
                 .iter()
-                .map(|corners| corners.map(|source| welded_from_source[source as usize]))
+                .map(|corners| corners.map(|source| from_source[source as usize]))
                 .collect(),
-            welded_from_source,
-            skin: influences.map(|influences| Skin::new(influences, &firsts)),
+            welded_from_source: from_source,
+            skin: influences.map(|influences| Skin::new(influences, &vertices)),
             base_reach: reach(base),
             target_reach: targets.iter().map(|target| reach(target.stored())).collect(),
         })
@@ -209,7 +198,7 @@ impl MorphModel {
     /// The number of vertices after welding.
     #[must_use]
     pub fn vertex_count(&self) -> usize {
-        self.base.len()
+        self.vertex_count
     }
 
     /// The welded vertices of a triangle, in source winding, or `None` if there is no such triangle.
@@ -229,7 +218,8 @@ impl MorphModel {
     /// Cost: linear in the number of stored displacements.
     #[must_use]
     pub fn displaced_vertex_count(&self, target: u32) -> usize {
-        (0..self.base.len() as u32)
+        let vertices = 0..self.vertex_count as u32;
+        vertices
             .flat_map(|vertex| self.displacements(vertex))
             .filter(|d| u32::from(d.target) == target)
             .count()
@@ -240,17 +230,27 @@ impl MorphModel {
     /// Cost: one pass over the mesh.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
-        let words = |v: &Vec3| v.to_array().map(f32::to_bits);
-        let positions = self.base.iter().flat_map(words);
-        let vertices = 0..self.base.len() as u32;
-        let displacements = vertices.flat_map(|vertex| self.displacements(vertex)).flat_map(|d| {
-            let [x, y, z] = words(&d.delta);
-            [u32::from(d.target), x, y, z]
-        });
-        let numbers = self.starts.iter().chain(self.triangles.iter().flatten()).copied();
-        let targets = std::iter::once(self.target_reach.len() as u32);
-        let skin = self.skin.iter().flat_map(Skin::words);
-        let all = positions.chain(displacements).chain(numbers).chain(targets).chain(skin);
+        let words = |v: Vec3| v.to_array().map(f32::to_bits);
+        let of_vertex = |vertex| {
+            let displacements = || self.displacements(vertex);
+            let influences = || self.skin.iter().flat_map(move |skin| skin.influences(vertex));
+            let counts = [displacements().count() as u32, influences().count() as u32];
+            let displacements =
+                displacements().flat_map(move |d| [u32::from(d.target)].into_iter().chain(words(d.delta)));
+            let influences = influences().flat_map(|of| [u32::from(of.joint), of.weight.to_bits()]);
+            let position = words(self.base(vertex));
+            position
+                .into_iter()
+                .chain(counts)
+                .chain(displacements)
+                .chain(influences)
+        };
+        let counts = [self.target_count(), self.joint_count().map_or(0, |count| count + 1)].map(|count| count as u32);
+        let vertices = (0..self.vertex_count as u32).flat_map(of_vertex);
+        let all = counts
+            .into_iter()
+            .chain(vertices)
+            .chain(self.triangles.iter().flatten().copied());
         hash(START, all.map(u64::from))
     }
 
@@ -258,14 +258,11 @@ impl MorphModel {
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.base)
-            + size_of_val(&*self.deltas)
-            + size_of_val(&*self.starts)
-            + size_of_val(&*self.targets)
-            + size_of_val(&*self.lists)
+            + self.displacements.bytes()
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.welded_from_source)
             + size_of_val(&*self.target_reach)
-            + self.skin.as_ref().map_or(0, Skin::bytes)
+            + self.skin.as_ref().map_or(0, |skin| skin.rows().bytes())
     }
 
     /// The welded vertices of a triangle.
@@ -277,23 +274,27 @@ impl MorphModel {
         self.triangles[triangle as usize]
     }
 
+    #[inline]
     pub(crate) fn base(&self, vertex: u32) -> Vec3 {
-        self.base[vertex as usize]
-    }
-
-    /// The targets that move a vertex, ascending, and their displacements of it.
-    #[inline(always)]
-    fn columns(&self, vertex: u32) -> (&[u16], &[Vec3]) {
-        let v = vertex as usize;
-        let deltas = &self.deltas[self.starts[v] as usize..self.starts[v + 1] as usize];
-        (&self.targets[self.lists[v] as usize..][..deltas.len()], deltas)
+        let (block, lane) = block_and_lane(vertex);
+        self.base[block].of(lane)
     }
 
     /// The displacements of a vertex, in ascending target order.
     pub(crate) fn displacements(&self, vertex: u32) -> impl Iterator<Item = Displacement> {
-        let (targets, deltas) = self.columns(vertex);
-        let pairs = targets.iter().zip(deltas);
-        pairs.map(|(&target, &delta)| Displacement { target, delta })
+        self.displacements.of_vertex(vertex)
+    }
+
+    /// The number of blocks.
+    pub(crate) fn block_count(&self) -> usize {
+        self.base.len()
+    }
+
+    /// The base positions of a block, the targets that move it, ascending, and their displacements.
+    #[inline(always)]
+    pub(super) fn block(&self, block: usize) -> (&BlockVectors, &[u16], &[BlockVectors]) {
+        let (targets, deltas) = self.displacements.of_block(block);
+        (&self.base[block], targets, deltas)
     }
 
     pub(crate) fn skin(&self) -> Option<&Skin> {
@@ -311,42 +312,16 @@ impl MorphModel {
     /// The posed position of a welded vertex in model space. Every answer is based on this definition.
     ///
     /// It is computed in `f32`, in ascending target order, skipping zero weights, with separate multiplications and additions.
-    /// Zero displacements are not stored; adding them would change no value.
+    /// Zero displacements may be added or left out, which changes no bit. [`MorphModel::blend_block`] does the same for eight vertices.
     #[inline]
     pub(crate) fn blend_vertex(&self, vertex: u32, weights: &Weights) -> Vec3A {
-        let mut position = Vec3A::from(self.base[vertex as usize]);
-        let (targets, deltas) = self.columns(vertex);
-        weights.visit(targets, deltas, |weight, &delta| {
-            position += Vec3A::from(delta) * weight;
+        let (block, lane) = block_and_lane(vertex);
+        let (base, targets, deltas) = self.block(block);
+        let mut position = Vec3A::from(base.of(lane));
+        weights.visit(targets, deltas, |weight, deltas| {
+            position += Vec3A::from(deltas.of(lane)) * weight;
         });
         position
-    }
-}
-
-/// Lists of targets, each stored once.
-#[derive(Default)]
-struct Lists {
-    targets: Vec<u16>,
-    /// The ranges of the lists in `targets`.
-    known: HashTable<Range<usize>>,
-    random: RandomState,
-}
-
-impl Lists {
-    /// The index in `targets` where a list starts.
-    fn start_of(&mut self, list: &[u16]) -> u32 {
-        let Self { targets, known, random } = self;
-        let is_known = |range: &Range<usize>| targets[range.clone()] == *list;
-        let hash = |range: &Range<usize>| random.hash_one(&targets[range.clone()]);
-        match known.entry(random.hash_one(list), is_known, hash) {
-            Entry::Occupied(range) => range.get().start as u32,
-            Entry::Vacant(new) => {
-                let start = targets.len();
-                new.insert(start..start + list.len());
-                targets.extend_from_slice(list);
-                start as u32
-            }
-        }
     }
 }
 

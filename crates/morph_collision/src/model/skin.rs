@@ -7,6 +7,7 @@ use fearless_simd::prelude::*;
 use glam::Vec3A;
 
 use super::ModelError;
+use super::influence_rows::InfluenceRows;
 use crate::joints::JointMatrices;
 
 /// Up to four joints per vertex and their weights, as glTF stores them (`JOINTS_0` and `WEIGHTS_0`). A mesh may have any number of such sets.
@@ -38,10 +39,8 @@ pub(crate) struct Influence {
 /// The influences of welded vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Skin {
-    pub(super) joint_count: usize,
-    influences: Vec<Influence>,
-    /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in slot order.
-    starts: Vec<u32>,
+    joint_count: usize,
+    rows: InfluenceRows,
     /// The largest number of a vertex's influences, or [`FEW_INFLUENCES`] if that is more.
     most: usize,
     /// The largest sum of a vertex's weights, rounded up.
@@ -53,24 +52,18 @@ pub(crate) struct Skin {
 impl Skin {
     /// The influences of some vertices.
     pub(super) fn new(all: &SlotInfluences<'_>, vertices: &[u32]) -> Self {
-        let of = |&vertex: &u32| all.of(vertex as usize);
         let mut skin = Self {
             joint_count: all.joint_count,
-            influences: Vec::with_capacity(vertices.iter().flat_map(of).count()),
-            starts: Vec::with_capacity(vertices.len() + 1),
+            rows: InfluenceRows::new(all, vertices),
             most: FEW_INFLUENCES,
             max_sum: 0.0,
             max_missing: 0.0,
         };
-        skin.starts.push(0);
-        for influences in vertices.iter().map(of) {
-            let first = skin.influences.len();
-            skin.influences.extend(influences);
-            skin.starts.push(skin.influences.len() as u32);
-            let of_vertex = &skin.influences[first..];
-            let sum: f64 = of_vertex.iter().map(|influence| f64::from(influence.weight)).sum();
-            let rounding = sum_rounding(of_vertex.len()) * (1.0 + sum);
-            skin.most = skin.most.max(of_vertex.len());
+        for &vertex in vertices {
+            let weights = || all.of(vertex as usize).map(|influence| f64::from(influence.weight));
+            let (count, sum) = (weights().count(), weights().sum::<f64>());
+            let rounding = sum_rounding(count) * (1.0 + sum);
+            skin.most = skin.most.max(count);
             skin.max_sum = skin.max_sum.max(sum + rounding);
             skin.max_missing = skin.max_missing.max((1.0 - sum).abs() + rounding);
         }
@@ -101,10 +94,10 @@ impl Skin {
 
     /// A range that contains the difference of 1 and the exact sum of a vertex's weights.
     pub(crate) fn missing(&self, vertex: u32) -> [f64; 2] {
-        let weights = || self.influences(vertex).iter().map(|influence| f64::from(influence.weight));
+        let weights = || self.influences(vertex).map(|influence| f64::from(influence.weight));
         let sum: f64 = weights().sum();
         // Sums of numbers with 24 bits are exact in `f64` unless some are much smaller than others.
-        let is_exact = weights().all(|weight| weight >= 1.0 / (1 << 24) as f64) && sum <= 8.0;
+        let is_exact = weights().all(|weight: f64| weight >= 1.0 / (1 << 24) as f64) && sum <= 8.0;
         let rounding = if is_exact {
             0.0
         } else {
@@ -113,11 +106,10 @@ impl Skin {
         [1.0 - sum - rounding, 1.0 - sum + rounding]
     }
 
-    /// The influences of a vertex, in slot order, without those of weight 0.
+    /// The influences of a vertex, without those of weight 0, in slot order; the first two may be swapped.
     #[inline(always)]
-    pub(crate) fn influences(&self, vertex: u32) -> &[Influence] {
-        let v = vertex as usize;
-        &self.influences[self.starts[v] as usize..self.starts[v + 1] as usize]
+    pub(crate) fn influences(&self, vertex: u32) -> impl Iterator<Item = Influence> {
+        self.rows.of_vertex(vertex)
     }
 
     /// The world position of a welded vertex, given its position after morphing. Every answer about skinned meshes is based on
@@ -125,7 +117,7 @@ impl Skin {
     ///
     /// The vertex's matrix is `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` per entry, in slot order. Zero weights are skipped, and
     /// weights are not normalised. The position is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`, in the first three numbers. Everything is
-    /// computed in `f64`, never fused.
+    /// computed in `f64`, never fused. [`Skin::place_block`] does the same for eight vertices.
     #[inline(always)]
     pub(crate) fn place<S: Simd>(&self, simd: S, vertex: u32, position: Vec3A, joints: &JointMatrices) -> [f64; 4] {
         let mut blended = [f64x4::splat(simd, 0.0); 4];
@@ -144,19 +136,8 @@ impl Skin {
         world
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.influences) + size_of_val(&*self.starts)
-    }
-
-    /// Everything that defines the skin, for hashing.
-    pub(super) fn words(&self) -> impl Iterator<Item = u32> {
-        let influences = self
-            .influences
-            .iter()
-            .flat_map(|i| [u32::from(i.joint), i.weight.to_bits()]);
-        std::iter::once(self.joint_count as u32)
-            .chain(self.starts.iter().copied())
-            .chain(influences)
+    pub(super) fn rows(&self) -> &InfluenceRows {
+        &self.rows
     }
 }
 
@@ -172,6 +153,10 @@ pub(super) struct SlotInfluences<'a> {
 }
 
 impl<'a> SlotInfluences<'a> {
+    pub(super) fn joint_count(&self) -> usize {
+        self.joint_count
+    }
+
     /// Influences of this many vertices, of which only the number is checked.
     pub(super) fn new(vertices: usize, joint_count: usize, sets: &'a [Influences<'a>]) -> Result<Self, ModelError> {
         super::check::count("joints", joint_count, usize::from(u16::MAX) - 1)?;

@@ -46,20 +46,26 @@ impl Weights {
         self.active.len() * SEARCH < targets
     }
 
+    /// Where an active target is in an ascending list. Ask for targets in ascending order, and start with `from` at 0.
+    #[inline(always)]
+    pub(crate) fn find(targets: &[u16], target: u32, from: &mut usize) -> Option<usize> {
+        // A list of all targets needs no search.
+        if targets.get(target as usize).is_some_and(|&at| u32::from(at) == target) {
+            return Some(target as usize);
+        }
+        *from += targets[*from..].partition_point(|&other| u32::from(other) < target);
+        targets.get(*from).filter(|&&at| u32::from(at) == target).map(|_| *from)
+    }
+
     /// Calls `visit` with the weight and the value of each listed target whose weight is not zero. `targets` must be ascending, and
     /// `values[i]` belongs to `targets[i]`.
     #[inline(always)]
     pub(crate) fn visit<T>(&self, targets: &[u16], values: &[T], mut visit: impl FnMut(f32, &T)) {
-        if targets.len() == self.all.len() {
-            for &(target, weight) in &self.active {
-                visit(weight, &values[target as usize]);
-            }
-        } else if self.are_few_of(targets.len()) {
+        if self.are_few_of(targets.len()) {
             let mut from = 0;
             for &(target, weight) in &self.active {
-                from += targets[from..].partition_point(|&other| u32::from(other) < target);
-                if targets.get(from).is_some_and(|&other| u32::from(other) == target) {
-                    visit(weight, &values[from]);
+                if let Some(place) = Self::find(targets, target, &mut from) {
+                    visit(weight, &values[place]);
                 }
             }
         } else {

@@ -15,8 +15,6 @@ pub(super) struct Welded {
     pub(super) from_source: Vec<u32>,
     /// The first vertex of each welded vertex, ascending.
     pub(super) firsts: Vec<u32>,
-    /// The number of displacements of all welded vertices.
-    pub(super) displacements: usize,
 }
 
 /// Finds vertices that cannot be told apart in any pose.
@@ -28,7 +26,6 @@ pub(super) fn weld<T: TargetDisplacements>(
     let mut welded = Welded {
         from_source: Vec::with_capacity(base.len()),
         firsts: Vec::with_capacity(base.len()),
-        displacements: 0,
     };
     let slots = |vertex| influences.into_iter().flat_map(move |influences| influences.of(vertex));
     // Random, so that no mesh makes the search slow.
@@ -63,8 +60,6 @@ pub(super) fn weld<T: TargetDisplacements>(
                 new.insert(vertex as u32);
                 welded.from_source.push(welded.firsts.len() as u32);
                 welded.firsts.push(vertex as u32);
-                let moving = targets.iter().filter(|target| target.of(vertex) != Vec3::ZERO);
-                welded.displacements += moving.count();
             }
         }
     }

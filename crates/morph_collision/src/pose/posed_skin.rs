@@ -7,7 +7,8 @@ use super::chunk_boxes::around;
 use super::posed::Posed;
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
-use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, WorldFromModel, with_simd};
+use crate::model::BLOCK;
 use crate::tree::{ChildKind, Leaf, Source};
 
 impl<'a> Posed<'a> {
@@ -145,7 +146,7 @@ impl<'a> Posed<'a> {
         let (Some(tree), Some((_, skinning))) = (self.skin_tree(), &mut self.skin) else {
             return DVec3::ZERO;
         };
-        self.blended.vertices += skinning.pose_block(tree, vertex / LANES);
+        self.blended.vertices += skinning.pose_block(tree, vertex / BLOCK);
         let [x, y, z, _] = skinning.vertices.world()[vertex];
         DVec3::new(x, y, z)
     }

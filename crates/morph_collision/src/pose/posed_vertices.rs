@@ -1,11 +1,13 @@
 //! The vertices of a skinned mesh in one pose, posed eight at a time when a query first needs one of them.
 
-use fearless_simd::Simd;
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::skin_tree::SkinTree;
-use crate::bounds::{LANES, with_simd};
+use crate::bounds::with_simd;
 use crate::joints::JointMatrices;
+use crate::model::BLOCK;
 
 /// Posed vertices, in blocks of eight. The memory is reserved when the first one is posed.
 #[derive(Clone, Debug, Default)]
@@ -15,9 +17,9 @@ pub(super) struct PosedVertices {
     stamps: Vec<u32>,
     chunks: Vec<u32>,
     /// World positions. The fourth number is padding.
-    world: Vec<[f64; 4]>,
+    world: Vec<[[f64; 4]; BLOCK]>,
     /// The same relative to the origin of the body's frame, rounded to the nearest `f32`.
-    local: Vec<[f32; 4]>,
+    local: Vec<[[f32; 4]; BLOCK]>,
 }
 
 impl PosedVertices {
@@ -76,38 +78,40 @@ impl PosedVertices {
         }
         self.stamps[block] = self.epoch;
         let Some(skin) = tree.model.skin() else { return 0 };
-        let vertices = block * LANES..tree.model.vertex_count().min((block + 1) * LANES);
-        let count = vertices.len() as u64;
-        for vertex in vertices {
-            let position = tree.model.blend_vertex(vertex as u32, tree.weights);
-            let placed = skin.place(simd, vertex as u32, position, joints);
-            self.world[vertex] = placed;
-            let [x, y, z, _] = placed;
-            self.local[vertex] = [(x - origin.x) as f32, (y - origin.y) as f32, (z - origin.z) as f32, 0.0];
+        let (world, local) = (&mut self.world[block], &mut self.local[block]);
+        let positions = tree.model.blend_block(simd, block, tree.weights);
+        skin.place_block(simd, block, positions, joints, world);
+        let origin = f64x4::from_slice(simd, &[origin.x, origin.y, origin.z, 0.0]);
+        let pairs = local.as_flattened_mut().chunks_exact_mut(8);
+        let (worlds, _) = world.as_chunks::<2>();
+        for ([a, b], pair) in worlds.iter().zip(pairs) {
+            let (a, b) = (f64x4::from_slice(simd, a) - origin, f64x4::from_slice(simd, b) - origin);
+            a.narrow(b).store_slice(pair);
         }
-        count
+        let end = tree.model.vertex_count().min((block + 1) * BLOCK);
+        (end - block * BLOCK) as u64
     }
 
     #[cold]
     fn reserve(&mut self, vertices: usize, chunks: usize) {
-        let blocks = vertices.div_ceil(LANES);
+        let blocks = vertices.div_ceil(BLOCK);
         let invalid = self.epoch.wrapping_sub(1);
         self.stamps = vec![invalid; blocks];
         self.chunks = vec![invalid; chunks];
-        self.world = vec![[0.0; 4]; blocks * LANES];
-        self.local = vec![[0.0; 4]; blocks * LANES];
+        self.world = vec![[[0.0; 4]; BLOCK]; blocks];
+        self.local = vec![[[0.0; 4]; BLOCK]; blocks];
     }
 
     /// World positions by vertex. Those of blocks that are not posed are meaningless.
     #[inline(always)]
     pub(super) fn world(&self) -> &[[f64; 4]] {
-        &self.world
+        self.world.as_flattened()
     }
 
     /// Positions relative to the origin of the body's frame, by vertex.
     #[inline(always)]
     pub(super) fn local(&self) -> &[[f32; 4]] {
-        &self.local
+        self.local.as_flattened()
     }
 
     pub(super) fn bytes(&self) -> usize {

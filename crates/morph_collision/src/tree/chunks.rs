@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::topology::{Child, ChildKind, Leaf, Topology};
-use crate::bounds::LANES;
+use crate::model::BLOCK;
 
 /// A chunk is a largest subtree with at most this many triangles. Chosen by instruction counts (docs/tried.md).
 const MAX_TRIANGLES: usize = 512;
@@ -40,7 +40,7 @@ pub(crate) enum Source {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chunks {
     chunks: Vec<Chunk>,
-    /// The numbers of blocks of [`LANES`] vertices, chunk by chunk.
+    /// The numbers of blocks of vertices, chunk by chunk.
     blocks: Vec<u32>,
     /// The chunk of each leaf.
     of_leaves: Vec<u32>,
@@ -87,7 +87,7 @@ impl Chunks {
             self.of_groups[group..groups.end as usize].fill(chunk);
         }
         let leaves = (first.0..=last.0).flat_map(|leaf| topology.leaf_vertices(Leaf(leaf)));
-        let mut blocks: Vec<u32> = leaves.map(|vertex| vertex / LANES as u32).collect();
+        let mut blocks: Vec<u32> = leaves.map(|vertex| vertex / BLOCK as u32).collect();
         blocks.sort_unstable();
         blocks.dedup();
         let start = self.blocks.len() as u32;

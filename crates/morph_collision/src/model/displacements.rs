@@ -1,0 +1,125 @@
+//! The displacements of a model's vertices, in blocks.
+
+use std::hash::{BuildHasher, RandomState};
+use std::ops::Range;
+
+use glam::Vec3;
+use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
+
+use super::blocks::{BLOCK, BlockVectors, block_and_lane};
+use super::targets::TargetDisplacements;
+
+/// The displacement of one vertex by one target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Displacement {
+    pub(crate) target: u16,
+    pub(crate) delta: Vec3,
+}
+
+/// The displacements of all vertices.
+#[derive(Clone, Debug)]
+pub(super) struct Displacements {
+    /// `deltas[starts[b]..starts[b + 1]]` are those of block `b`, one per target that moves any of its vertices, ascending by target.
+    deltas: Vec<BlockVectors>,
+    starts: Vec<u32>,
+    /// `targets[lists[b]..]` are these targets. Blocks with equal lists share one.
+    targets: Vec<u16>,
+    lists: Vec<u32>,
+}
+
+impl Displacements {
+    /// The displacements of some vertices of a mesh.
+    pub(super) fn new<T: TargetDisplacements>(targets: &[T], vertices: &[u32]) -> Self {
+        let blocks = || vertices.chunks(BLOCK);
+        let (mut starts, mut lists) = (
+            Vec::with_capacity(blocks().len() + 1),
+            Vec::with_capacity(blocks().len()),
+        );
+        let (mut list, mut known, mut count) = (Vec::new(), Lists::default(), 0);
+        starts.push(0);
+        for block in blocks() {
+            let moves = |target: &T| block.iter().any(|&vertex| target.of(vertex as usize) != Vec3::ZERO);
+            list.clear();
+            list.extend((0..).zip(targets).filter(|(_, of)| moves(of)).map(|(target, _)| target));
+            lists.push(known.start_of(&list));
+            count += list.len();
+            starts.push(count as u32);
+        }
+        known.targets.shrink_to_fit();
+        // Counted before anything is stored, so that nothing is stored twice.
+        let mut displacements = Self {
+            deltas: Vec::with_capacity(count),
+            starts,
+            targets: known.targets,
+            lists,
+        };
+        for (number, block) in blocks().enumerate() {
+            for i in displacements.listed(number) {
+                let of = &targets[usize::from(displacements.targets[i])];
+                let deltas = BlockVectors::new(block, |&vertex| of.of(vertex as usize));
+                displacements.deltas.push(deltas);
+            }
+        }
+        displacements
+    }
+
+    /// Where the targets of a block are listed.
+    #[inline(always)]
+    fn listed(&self, block: usize) -> Range<usize> {
+        let first = self.lists[block] as usize;
+        first..first + (self.starts[block + 1] - self.starts[block]) as usize
+    }
+
+    /// The targets that move a block, ascending, and their displacements of it. A vertex that a target does not move has zeros.
+    #[inline(always)]
+    pub(super) fn of_block(&self, block: usize) -> (&[u16], &[BlockVectors]) {
+        let deltas = &self.deltas[self.starts[block] as usize..self.starts[block + 1] as usize];
+        (&self.targets[self.lists[block] as usize..][..deltas.len()], deltas)
+    }
+
+    /// The displacements of a vertex that are not zero, in ascending target order.
+    pub(super) fn of_vertex(&self, vertex: u32) -> impl Iterator<Item = Displacement> {
+        let (block, lane) = block_and_lane(vertex);
+        let (targets, deltas) = self.of_block(block);
+        let all = targets.iter().zip(deltas).map(move |(&target, deltas)| Displacement {
+            target,
+            delta: deltas.of(lane),
+        });
+        all.filter(|displacement| displacement.delta != Vec3::ZERO)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.deltas)
+            + size_of_val(&*self.starts)
+            + size_of_val(&*self.targets)
+            + size_of_val(&*self.lists)
+    }
+}
+
+/// Lists of targets, each stored once.
+#[derive(Default)]
+struct Lists {
+    targets: Vec<u16>,
+    /// The ranges of the lists in `targets`.
+    known: HashTable<Range<usize>>,
+    random: RandomState,
+}
+
+impl Lists {
+    /// The index in `targets` where a list starts.
+    fn start_of(&mut self, list: &[u16]) -> u32 {
+        let Self { targets, known, random } = self;
+        let is_known = |range: &Range<usize>| targets[range.clone()] == *list;
+        let hash = |range: &Range<usize>| random.hash_one(&targets[range.clone()]);
+        match known.entry(random.hash_one(list), is_known, hash) {
+            Entry::Occupied(range) => range.get().start as u32,
+            Entry::Vacant(new) => {
+                let start = targets.len();
+                new.insert(start..start + list.len());
+                targets.extend_from_slice(list);
+                start as u32
+            }
+        }
+    }
+}

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
 use glam::{Affine3A, BVec3A, DVec3, Vec3, Vec3A};
 
 use crate::exact::largest;
@@ -103,6 +105,18 @@ impl JointMatrices {
     #[inline(always)]
     pub(crate) fn padded(&self, joint: u16) -> &Columns {
         &self.columns[usize::from(joint)]
+    }
+
+    /// The columns of a joint's matrix, as vectors.
+    #[inline(always)]
+    pub(crate) fn loaded<S: Simd>(&self, simd: S, joint: u16) -> [f64x4<S>; 4] {
+        let [x, y, z, translation] = self.padded(joint);
+        [
+            f64x4::from_slice(simd, x),
+            f64x4::from_slice(simd, y),
+            f64x4::from_slice(simd, z),
+            f64x4::from_slice(simd, translation),
+        ]
     }
 
     /// The columns of a joint's matrix without the fourth coordinates.

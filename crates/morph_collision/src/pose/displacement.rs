@@ -92,7 +92,7 @@ fn placed(before: &mut Pose, from: &WorldFromModel, now: &Pose, to: &WorldFromMo
     let mut farthest = wanted.start;
     for (lane, child) in children.iter().enumerate() {
         let by_targets = change.length(&moved.get(lane));
-        let by_place = rounding + motion.of_box(&boxes.get(lane), farthest - rounding - by_targets);
+        let by_place = rounding + motion.of_box(&Box64::of(&boxes.get(lane)), farthest - rounding - by_targets);
         let bound = known(by_place + by_targets);
         if by_place > wanted.end {
             return bound;
@@ -212,10 +212,10 @@ struct Motion {
 impl Motion {
     /// A bound on how far points of a box move: a simple one if it is at most `enough`, otherwise the distance that the corners move
     /// at most.
-    fn of_box(&self, bounds: &Aabb, enough: f64) -> f64 {
-        let reach = self.linear.abs() * bounds.magnitude().as_dvec3() + self.translation.abs();
+    fn of_box(&self, bounds: &Box64, enough: f64) -> f64 {
+        let Box64 { center, half } = *bounds;
+        let reach = self.linear.abs() * (center.abs() + half) + self.translation.abs();
         let rounding = 32.0 * f64::EPSILON * reach.element_sum();
-        let Box64 { center, half } = Box64::of(bounds);
         let middle = self.linear * center + self.translation;
         let simple = (middle.abs() + self.linear.abs() * half).length() + rounding;
         if simple <= enough {

@@ -7,10 +7,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x4};
 use glam::DVec3;
 
-use super::blend::blend_group;
-use super::skin_tree::MAX_REACH;
-use crate::bounds::{Aabb, BoxLanes, Extent, LANES, MapFrame, WorldFromModel, with_simd};
-use crate::joints::{Columns, JointMatrices};
+use super::part_boxes::{PartBlock, PartBoxes};
+use crate::bounds::{Aabb, Extent, MapFrame, WorldFromModel, with_simd};
+use crate::joints::JointMatrices;
 use crate::model::Weights;
 use crate::tree::JointBoxes;
 
@@ -25,21 +24,17 @@ pub(super) struct VertexSlack {
 /// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JointHull {
-    boxes: Vec<BoxLanes>,
-    /// A bound on the boxes' absolute coordinates.
-    reach: f32,
-    /// Whether the boxes are valid for the current weights.
-    is_current: bool,
+    boxes: PartBoxes,
 }
 
 impl JointHull {
-    /// Discards the boxes, because the weights have changed.
+    /// Discards what depends on the weights, because they have changed.
     pub(super) fn invalidate(&mut self) {
-        self.is_current = false;
+        self.boxes.invalidate();
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.boxes)
+        self.boxes.bytes()
     }
 
     /// A box in world space that contains every vertex, exact or rounded.
@@ -53,10 +48,10 @@ impl JointHull {
         joints: &JointMatrices,
         VertexSlack { sums, error }: VertexSlack,
     ) -> Aabb {
-        if !self.is_bounded(level, tables, weights) {
+        let Some(boxes) = self.boxes(level, tables, weights) else {
             return Aabb::UNBOUNDED;
-        }
-        let hull = self.hull(level, tables, joints, None);
+        };
+        let hull = hull(level, tables, boxes, joints, None);
         pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
     }
 
@@ -71,44 +66,34 @@ impl JointHull {
         VertexSlack { sums, error }: VertexSlack,
         space: &WorldFromModel,
     ) -> Aabb {
-        if !self.is_bounded(level, tables, weights) {
+        self.boxes(level, tables, weights);
+        let Some(boxes) = self.boxes.blocks() else {
             return Aabb::UNBOUNDED;
-        }
-        let reach = joints.world_reach(f64::from(self.reach)) + space.translation().abs().max_element();
+        };
+        let reach = joints.world_reach(self.boxes.reach()) + space.translation().abs().max_element();
         let Some(rounding) = space.model_error(reach * sums.end().max(1.0), error) else {
             return Aabb::UNBOUNDED;
         };
-        let hull = self.hull(level, tables, joints, Some(&MapFrame::new(space)));
+        let hull = hull(level, tables, boxes, joints, Some(&MapFrame::new(space)));
         pulled(hull, space.model_origin(), sums, rounding)
     }
 
-    /// The hull of the boxes' images under their joints, in world space or in another frame.
-    fn hull(&self, level: Level, tables: &JointBoxes, joints: &JointMatrices, frame: Option<&MapFrame>) -> Extent {
-        let blocks = tables.joints().zip(&self.boxes);
-        with_simd!(level, simd => images(simd, blocks, joints, frame))
-    }
-
     /// The boxes; `None` if coordinates are too large to compute with.
-    pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[BoxLanes]> {
-        self.is_bounded(level, tables, weights).then_some(&self.boxes)
+    pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[PartBlock]> {
+        self.boxes.blend(level, tables.blocks().map(|(_, tables)| tables), weights);
+        self.boxes.blocks()
     }
+}
 
-    /// Blends the boxes unless they are valid for the weights. Returns whether their coordinates are small enough to compute with.
-    fn is_bounded(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> bool {
-        if !self.is_current {
-            self.boxes.clear();
-            self.reach = 0.0;
-            for (_, tables) in tables.blocks() {
-                let mut boxes = BoxLanes::default();
-                let reach = with_simd!(level, simd => blend_group(simd, tables, weights, &mut boxes));
-                self.reach = self.reach.max(reach);
-                self.boxes.push(boxes);
-            }
-            self.is_current = true;
-        }
-        // False for NaN.
-        self.reach <= MAX_REACH
-    }
+/// The hull of the boxes' images under their joints, in world space or in another frame.
+fn hull(
+    level: Level,
+    tables: &JointBoxes,
+    boxes: &[PartBlock],
+    joints: &JointMatrices,
+    frame: Option<&MapFrame>,
+) -> Extent {
+    with_simd!(level, simd => images(simd, tables.joints().zip(boxes), joints, frame))
 }
 
 /// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight
@@ -132,25 +117,19 @@ fn pulled(hull: Extent, origin: DVec3, sums: RangeInclusive<f64>, by: DVec3) -> 
 #[inline(always)]
 fn images<'b, S: Simd>(
     simd: S,
-    blocks: impl Iterator<Item = (&'b [u16], &'b BoxLanes)>,
+    blocks: impl Iterator<Item = (&'b [u16], &'b PartBlock)>,
     joints: &JointMatrices,
     frame: Option<&MapFrame>,
 ) -> Extent {
     let mut min = f64x4::splat(simd, f64::INFINITY);
     let mut max = f64x4::splat(simd, f64::NEG_INFINITY);
     for (moved, boxes) in blocks {
-        let (centers, halves) = centers_and_halves(simd, boxes);
         for (lane, &joint) in moved.iter().enumerate() {
-            let joint = joints.padded(joint);
             let columns = match frame {
-                Some(frame) => frame.joint(simd, joint),
-                None => loaded(simd, joint),
+                Some(frame) => frame.joint(simd, joints.padded(joint)),
+                None => joints.loaded(simd, joint),
             };
-            let [mut center, mut radius] = [columns[3], f64x4::splat(simd, 0.0)];
-            for axis in 0..3 {
-                center += columns[axis] * f64x4::splat(simd, centers[axis][lane % LANES]);
-                radius += columns[axis].abs() * f64x4::splat(simd, halves[axis][lane % LANES]);
-            }
+            let [center, radius] = boxes.image(simd, lane, columns);
             min = min.min(center - radius);
             max = max.max(center + radius);
         }
@@ -162,34 +141,6 @@ fn images<'b, S: Simd>(
         min: DVec3::new(low[0], low[1], low[2]),
         max: DVec3::new(high[0], high[1], high[2]),
     }
-}
-
-#[inline(always)]
-fn loaded<S: Simd>(simd: S, [x, y, z, translation]: &Columns) -> [f64x4<S>; 4] {
-    [
-        f64x4::from_slice(simd, x),
-        f64x4::from_slice(simd, y),
-        f64x4::from_slice(simd, z),
-        f64x4::from_slice(simd, translation),
-    ]
-}
-
-/// The centres and half sizes of eight boxes, by axis.
-#[inline(always)]
-fn centers_and_halves<S: Simd>(simd: S, boxes: &BoxLanes) -> ([[f64; LANES]; 3], [[f64; LANES]; 3]) {
-    let half = f64x4::splat(simd, 0.5);
-    let (mut centers, mut halves) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-    for axis in 0..3 {
-        let (min, high_min) = boxes.min[axis].load(simd).widen();
-        let (max, high_max) = boxes.max[axis].load(simd).widen();
-        let (center, high_center) = centers[axis].split_at_mut(LANES / 2);
-        ((min + max) * half).store_slice(center);
-        ((high_min + high_max) * half).store_slice(high_center);
-        let (half_size, high_half_size) = halves[axis].split_at_mut(LANES / 2);
-        ((max - min) * half).store_slice(half_size);
-        ((high_max - high_min) * half).store_slice(high_half_size);
-    }
-    (centers, halves)
 }
 
 #[cfg(test)]

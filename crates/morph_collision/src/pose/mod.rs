@@ -14,6 +14,7 @@ mod displacement;
 mod instance;
 mod joint_hull;
 mod outer_boxes;
+mod part_boxes;
 mod placed_body;
 mod posed;
 mod posed_bounds;

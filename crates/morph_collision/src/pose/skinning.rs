@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::joint_hull::{JointHull, VertexSlack};
 use super::outer_boxes::OuterBoxes;
+use super::part_boxes::PartBlock;
 use super::posed_vertices::PosedVertices;
 use super::skin_tree::{MAX_REACH, SkinTree};
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel, with_simd};
@@ -135,7 +136,7 @@ impl Skinning {
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.
-    pub(super) fn joint_boxes(&mut self, tree: SkinTree<'_>) -> Option<&[BoxLanes]> {
+    pub(super) fn joint_boxes(&mut self, tree: SkinTree<'_>) -> Option<&[PartBlock]> {
         self.hull.boxes(tree.level, &tree.skin.joints, tree.weights)
     }
 

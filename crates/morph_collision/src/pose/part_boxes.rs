@@ -1,0 +1,116 @@
+//! Boxes around the vertices that joints move, blended for a pose's weights, before joints move them.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, f64x4};
+use glam::DVec3;
+
+use super::blend::blend_group;
+use super::skin_tree::MAX_REACH;
+use crate::bounds::{Box64, BoxLanes, LANES, with_simd};
+use crate::model::Weights;
+use crate::tree::GroupTables;
+
+/// Eight boxes side by side, by their centres and half sizes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PartBlock {
+    pub(super) center: [[f64; LANES]; 3],
+    pub(super) half: [[f64; LANES]; 3],
+    /// A bound on the boxes' absolute coordinates.
+    reach: f32,
+}
+
+/// Boxes around vertices before joints move them, eight side by side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PartBoxes {
+    blocks: Vec<PartBlock>,
+    /// A bound on their absolute coordinates.
+    reach: f32,
+    /// Whether they are valid for the current weights.
+    is_current: bool,
+}
+
+impl PartBoxes {
+    /// Discards what depends on the weights, because they have changed.
+    pub(super) fn invalidate(&mut self) {
+        self.is_current = false;
+    }
+
+    /// Blends the boxes of these tables unless they are valid. Tables without targets are blended only once.
+    pub(super) fn blend<'t>(
+        &mut self,
+        level: Level,
+        tables: impl Iterator<Item = GroupTables<'t>>,
+        weights: &Weights,
+    ) {
+        if self.is_current {
+            return;
+        }
+        self.is_current = true;
+        self.reach = 0.0;
+        for (index, tables) in tables.enumerate() {
+            let is_new = index == self.blocks.len();
+            if is_new {
+                self.blocks.push(PartBlock::default());
+            }
+            let block = &mut self.blocks[index];
+            if is_new || !tables.targets.is_empty() {
+                with_simd!(level, simd => block.blend(simd, tables, weights));
+            }
+            self.reach = self.reach.max(block.reach);
+        }
+    }
+
+    /// The blended boxes; `None` if coordinates are too large to compute with.
+    pub(super) fn blocks(&self) -> Option<&[PartBlock]> {
+        // False for NaN.
+        (self.reach <= MAX_REACH).then_some(&self.blocks)
+    }
+
+    pub(super) fn reach(&self) -> f64 {
+        f64::from(self.reach)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.blocks.capacity() * size_of::<PartBlock>()
+    }
+}
+
+impl PartBlock {
+    #[inline(always)]
+    fn blend<S: Simd>(&mut self, simd: S, tables: GroupTables<'_>, weights: &Weights) {
+        let mut boxes = BoxLanes::default();
+        self.reach = blend_group(simd, tables, weights, &mut boxes);
+        let by_two = f64x4::splat(simd, 0.5);
+        for axis in 0..3 {
+            let (min, high_min) = boxes.min[axis].load(simd).widen();
+            let (max, high_max) = boxes.max[axis].load(simd).widen();
+            let (center, high_center) = self.center[axis].split_at_mut(LANES / 2);
+            ((min + max) * by_two).store_slice(center);
+            ((high_min + high_max) * by_two).store_slice(high_center);
+            let (half, high_half) = self.half[axis].split_at_mut(LANES / 2);
+            ((max - min) * by_two).store_slice(half);
+            ((high_max - high_min) * by_two).store_slice(high_half);
+        }
+    }
+
+    pub(super) fn get(&self, lane: usize) -> Box64 {
+        let of = |[x, y, z]: &[[f64; LANES]; 3]| DVec3::new(x[lane], y[lane], z[lane]);
+        Box64 {
+            center: of(&self.center),
+            half: of(&self.half),
+        }
+    }
+
+    /// The middle of a box's image under a map with these columns, and how far the image reaches from it.
+    #[inline(always)]
+    pub(super) fn image<S: Simd>(&self, simd: S, lane: usize, [x, y, z, offset]: [f64x4<S>; 4]) -> [f64x4<S>; 2] {
+        let lane = lane % LANES;
+        let (mut middle, mut radius) = (offset, f64x4::splat(simd, 0.0));
+        let columns = [x, y, z];
+        for axis in 0..3 {
+            middle += columns[axis] * f64x4::splat(simd, self.center[axis][lane]);
+            radius += columns[axis].abs() * f64x4::splat(simd, self.half[axis][lane]);
+        }
+        [middle, radius]
+    }
+}

@@ -32,7 +32,7 @@ pub(super) type Frames = [Option<Frame>; 2];
 
 /// Calls `visit` with the frames in which boxes of two placed bodies are compared, until it returns false.
 ///
-/// The frames are the two bodies' own spaces (SAT-lite). World space is added if neither body's map has an accurate inverse,
+/// The frames are the two bodies' own spaces (SAT-lite), or only A's if both have the same axes. World space is added if neither body's map has an accurate inverse,
 /// which happens if both are much flatter or thinner in the world than in their own space. `visit` gets the map of each body into
 /// the frame, `None` if it is that body's own space. Each frame is computed just before it is visited.
 #[inline]
@@ -41,7 +41,9 @@ pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl F
     let mut frame = Frame::default();
     if relative(a, b, &mut frame) {
         any_sharp |= is_sharp(&frame, a);
-        if !visit([None, Some(&frame)]) {
+        // B's space would have the same axes.
+        let is_enough = any_sharp && is_diagonal(&frame.linear);
+        if !visit([None, Some(&frame)]) || is_enough {
             return;
         }
     }
@@ -54,6 +56,18 @@ pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl F
     if !any_sharp {
         visit(frames_in_turned_world(a, b).each_ref().map(Option::as_ref));
     }
+}
+
+/// Whether a map keeps the directions of the axes.
+#[inline]
+fn is_diagonal(
+    DMat3 {
+        x_axis: x,
+        y_axis: y,
+        z_axis: z,
+    }: &DMat3,
+) -> bool {
+    [x.y, x.z, y.x, y.z, z.x, z.y] == [0.0; 6]
 }
 
 /// Whether the error of a map to a body's own space is small compared with that body.

@@ -70,10 +70,7 @@ impl ChunkBoxes {
 
 #[inline(always)]
 fn empty<S: Simd>(simd: S) -> [f32x4<S>; 2] {
-    [
-        f32x4::splat(simd, f32::INFINITY),
-        f32x4::splat(simd, f32::NEG_INFINITY),
-    ]
+    [f32x4::splat(simd, f32::INFINITY), f32x4::splat(simd, f32::NEG_INFINITY)]
 }
 
 /// The corners of a box around some vertices.

@@ -80,7 +80,8 @@ impl JointHull {
 
     /// The boxes; `None` if coordinates are too large to compute with.
     pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[PartBlock]> {
-        self.boxes.blend(level, tables.blocks().map(|(_, tables)| tables), weights);
+        self.boxes
+            .blend(level, tables.blocks().map(|(_, tables)| tables), weights);
         self.boxes.blocks()
     }
 }

@@ -1,7 +1,7 @@
 //! Boxes of the nodes above the chunks of a skinned mesh's tree, from one box per child and joint. No vertex is posed for them.
 
-use fearless_simd::prelude::*;
 use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
 use glam::{DVec3, Vec3};
 
 use super::part_boxes::{PartBlock, PartBoxes};
@@ -42,7 +42,9 @@ impl OuterBoxes {
         group.blend(tree.level, tree.skin.outer.blocks(outer), tree.weights);
         let reach = joints.world_reach(group.reach());
         match group.blocks() {
-            Some(parts) => with_simd!(tree.level, simd => bound(simd, tree, outer, parts, joints, origin, reach, boxes)),
+            Some(parts) => {
+                with_simd!(tree.level, simd => bound(simd, tree, outer, parts, joints, origin, reach, boxes))
+            }
             None => boxes.set_all(&Aabb::UNBOUNDED),
         }
     }
@@ -70,15 +72,14 @@ fn bound<S: Simd>(
     let share_of_narrowing = f64x4::splat(simd, f64::from(f32::EPSILON));
     let far = origin.abs().max_element();
     let reach = reach + far;
-    let mut next = 0;
     for (lane, child) in tree.skin.outer.group(outer).children.iter().enumerate() {
         // The lower ends, and the negated upper ends. The extra joint takes every point to the world's origin.
         let (mut low, mut high) = (zero - world, world);
         for (index, part) in child.parts.iter().enumerate() {
             let mut columns = joints.loaded(simd, part.joint);
             columns[3] -= world;
-            let [middle, radius] = parts[next / LANES].image(simd, next, columns);
-            next += 1;
+            let place = part.place as usize;
+            let [middle, radius] = parts[place / LANES].image(simd, place, columns);
             let (least, most) = (middle - radius, zero - middle - radius);
             if index == 0 {
                 (low, high) = (least, most);

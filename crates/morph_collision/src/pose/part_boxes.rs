@@ -36,12 +36,7 @@ impl PartBoxes {
     }
 
     /// Blends the boxes of these tables unless they are valid. Tables without targets are blended only once.
-    pub(super) fn blend<'t>(
-        &mut self,
-        level: Level,
-        tables: impl Iterator<Item = GroupTables<'t>>,
-        weights: &Weights,
-    ) {
+    pub(super) fn blend<'t>(&mut self, level: Level, tables: impl Iterator<Item = GroupTables<'t>>, weights: &Weights) {
         if self.is_current {
             return;
         }

@@ -207,12 +207,7 @@ impl<S: Splits> Builder<'_, S> {
     }
 
     /// Stores the children of a group and returns their union.
-    fn finish(
-        &mut self,
-        group: usize,
-        children: &[Child],
-        extents: Vec<Option<NodeExtents>>,
-    ) -> Option<NodeExtents> {
+    fn finish(&mut self, group: usize, children: &[Child], extents: Vec<Option<NodeExtents>>) -> Option<NodeExtents> {
         self.topology.groups[group].set(children);
         let extents: Vec<NodeExtents> = extents.into_iter().collect::<Option<_>>()?;
         let whole = NodeExtents::of_parts(extents.iter());

@@ -9,7 +9,7 @@ use super::topology::{Child, ChildKind, Leaf, Topology};
 use crate::model::BLOCK;
 
 /// A chunk is a largest subtree with at most this many triangles. Chosen by instruction counts (docs/tried.md).
-const MAX_TRIANGLES: usize = 512;
+const MAX_TRIANGLES: usize = 128;
 
 /// A subtree that is posed as a whole. It may be a single leaf.
 #[derive(Clone, Debug)]
@@ -63,7 +63,14 @@ impl Chunks {
         let mut rest = vec![Child::group(0)];
         while let Some(node) = rest.pop() {
             match node.kind() {
-                ChildKind::Group(group) if group == 0 || topology.triangles_below(node).len() > std::env::var("CH").ok().and_then(|v| v.parse().ok()).unwrap_or(MAX_TRIANGLES) => {
+                ChildKind::Group(group)
+                    if group == 0
+                        || topology.triangles_below(node).len()
+                            > std::env::var("CH")
+                                .ok()
+                                .and_then(|v| v.parse().ok())
+                                .unwrap_or(MAX_TRIANGLES) =>
+                {
                     chunks.of_groups[group] = outer | OUTER;
                     outer += 1;
                     rest.extend(topology.group(group).children().iter().rev());

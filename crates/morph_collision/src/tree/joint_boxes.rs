@@ -8,7 +8,7 @@ use crate::model::MorphModel;
 /// The boxes of all joints that move a vertex of a triangle, eight side by side.
 #[derive(Clone, Default)]
 pub(crate) struct JointBoxes {
-    /// Ascending.
+    /// Joints of which targets move no vertex come first, so that few blocks have to be blended.
     joints: Vec<u16>,
     boxes: Tables,
 }
@@ -32,11 +32,14 @@ impl JointBoxes {
         }
         let mut boxes = Self::default();
         let mut children = Vec::new();
-        for (joint, extents) in (0..).zip(moved) {
-            if let Some(extents) = extents {
-                boxes.joints.push(joint);
-                children.push(extents);
-            }
+        let mut of_joints: Vec<(u16, NodeExtents)> = (0..)
+            .zip(moved)
+            .filter_map(|(joint, extents)| Some((joint, extents?)))
+            .collect();
+        of_joints.sort_by_key(|(joint, extents)| (!extents.targets.is_empty(), *joint));
+        for (joint, extents) in of_joints {
+            boxes.joints.push(joint);
+            children.push(extents);
         }
         boxes.joints.shrink_to_fit();
         for (block, children) in children.chunks(LANES).enumerate() {

@@ -46,13 +46,13 @@ pub use certificates::SelfCertificates;
 pub(crate) use certificates::{Area, OpenPairs};
 pub(crate) use chunks::Source;
 pub(crate) use joint_boxes::JointBoxes;
-pub(crate) use outer_tables::OuterTables;
 pub use layout::TreeLayout;
 pub use layout_error::LayoutError;
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
+pub(crate) use outer_tables::OuterTables;
 pub(crate) use owners::{Owned, Owners};
 pub(crate) use self_front::{Apart, SelfFront};
 pub(crate) use skin_tables::SkinTables;

@@ -16,7 +16,7 @@ use crate::model::{MorphModel, Skin, sum_rounding};
 pub(crate) struct OuterTables {
     /// In preorder.
     groups: Vec<OuterGroup>,
-    /// One box for each part, in the order of groups, children and parts. A block of eight has parts of one group only.
+    /// One box for each part, group by group. A block of eight has parts of one group only.
     boxes: Tables,
 }
 
@@ -41,6 +41,8 @@ pub(crate) struct MovedChild {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MovedPart {
     pub(crate) joint: u16,
+    /// Where its box is among those of the group. Boxes that targets move come last, so that few blocks have to be blended.
+    pub(crate) place: u32,
     /// The largest weight of the joint, as a share of the sum of its weight and those of all earlier joints.
     pub(crate) share: f32,
 }
@@ -68,13 +70,24 @@ impl OuterTables {
                     budget.spend(super::build::work_on(model, 1)).await;
                     joints.add(model, skin, vertex);
                 }
-                of_group.children.push(joints.finish(skin, &mut extents));
+                let child = of_group.children.len();
+                of_group.children.push(joints.finish(skin, child, &mut extents));
+            }
+            let (still, moved): (Vec<_>, Vec<_>) = extents
+                .into_iter()
+                .partition(|(of_part, _): &(NodeExtents, _)| of_part.targets.is_empty());
+            let mut extents = Vec::with_capacity(still.len() + moved.len());
+            for (place, (of_part, (child, part))) in (0..).zip(still.into_iter().chain(moved)) {
+                of_group.children[child].parts[part].place = place;
+                extents.push(of_part);
             }
             let first = tables.boxes.group_count();
             for extents in extents.chunks(LANES) {
                 tables.boxes.reserve();
                 let block = tables.boxes.group_count() - 1;
-                tables.boxes.fill(block, extents, &NodeExtents::of_parts(extents.iter()));
+                tables
+                    .boxes
+                    .fill(block, extents, &NodeExtents::of_parts(extents.iter()));
             }
             of_group.blocks = first..tables.boxes.group_count();
             tables.groups.push(of_group);
@@ -163,17 +176,17 @@ impl Joints {
         (*least, *most) = (least.min(missing[0]), most.max(missing[1]));
     }
 
-    /// Appends the extents of the parts.
-    fn finish(self, skin: &Skin, extents: &mut Vec<NodeExtents>) -> MovedChild {
+    /// Appends the extents of the parts, with the child's number and the part's.
+    fn finish(self, skin: &Skin, child: usize, extents: &mut Vec<(NodeExtents, (usize, usize))>) -> MovedChild {
         let rounding = sum_rounding(skin.most_influences());
         let mut parts = Vec::with_capacity(self.order.len());
         for ((joint, share), of_part) in self.order.into_iter().zip(self.shares).zip(self.extents) {
             // Every joint here moves a vertex.
             if let Some(of_part) = of_part {
-                extents.push(of_part);
+                extents.push((of_part, (child, parts.len())));
                 // Rounded up, with room for the roundings of two sums and their quotient.
                 let share = up(share * (1.0 + 8.0 * rounding)).min(1.0);
-                parts.push(MovedPart { joint, share });
+                parts.push(MovedPart { joint, place: 0, share });
             }
         }
         let [least, most] = self.missing;

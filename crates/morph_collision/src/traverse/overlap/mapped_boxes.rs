@@ -50,6 +50,12 @@ impl MappedBoxes {
         mapped
     }
 
+    /// The number of frames in which boxes are compared.
+    #[inline(always)]
+    pub(super) fn frames(&self) -> usize {
+        self.used.min(FRAMES)
+    }
+
     /// The slot of a group's children. Blends and maps their boxes on the first call.
     #[inline(always)]
     pub(super) fn open(&mut self, tree: &mut impl BoxTree, group: usize) -> usize {
@@ -68,9 +74,9 @@ impl MappedBoxes {
         entry.group = group as u32;
         entry.mask = children.mask();
         entry.len = children.children().len() as u8;
-        let used = self.used.min(FRAMES);
         let blended = tree.open(group);
-        with_simd!(tree.level(), simd => entry.fill(simd, tree.boxes(blended), &self.mappings[..used], self.scale));
+        let mappings = &self.mappings[..self.used.min(FRAMES)];
+        with_simd!(tree.level(), simd => entry.fill(simd, tree.boxes(blended), mappings, self.scale));
         if T::MOVES {
             self.map_moving(tree, blended, slot);
         }

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::{Aabb, BoxLanes, LANES, Lanes};
+use crate::bounds::{BoxLanes, LANES, Lanes};
 use crate::traverse::mapping::Mapping;
 use crate::tree::Child;
 
@@ -27,17 +27,14 @@ impl MappedGroup {
         for (frame, mapping) in self.frames.iter_mut().zip(mappings) {
             mapping.all(simd, boxes, frame);
         }
-        for frame in &mut self.frames[mappings.len()..] {
-            (0..LANES).for_each(|lane| frame.set(lane, &Aabb::UNBOUNDED));
-        }
         boxes.girths(simd, scale, &mut self.sizes);
     }
 
-    /// The children that overlap a child of another body in every frame, as a bit mask.
+    /// The children that overlap a child of another body in the first `frames` frames, as a bit mask.
     #[inline(always)]
-    pub(super) fn overlaps<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> u8 {
+    pub(super) fn overlaps<S: Simd>(&self, simd: S, other: &Self, lane: usize, frames: usize) -> u8 {
         let mut mask = self.mask;
-        for (own, other) in self.frames.iter().zip(&other.frames) {
+        for (own, other) in self.frames.iter().zip(&other.frames).take(frames) {
             mask &= own.overlap_mask(simd, &other.get(lane));
             if mask == 0 {
                 break;

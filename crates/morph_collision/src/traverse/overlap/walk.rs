@@ -185,7 +185,9 @@ impl OverlapWalk {
             self.node_tests += 1;
             let overlap = || {
                 let of_b = self.b.group_of(pair.b);
-                self.a.group_of(pair.a).overlaps(simd, of_b, pair.b.lane())
+                self.a
+                    .group_of(pair.a)
+                    .overlaps(simd, of_b, pair.b.lane(), self.a.frames())
             };
             if !front.is_empty() && overlap() >> pair.a.lane() & 1 == 0 {
                 continue;
@@ -269,7 +271,7 @@ impl OverlapWalk {
     fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, slot: usize, node_b: Node) -> u8 {
         let (group, other, lane) = (self.a.group(slot), self.b.group_of(node_b), node_b.lane());
         self.node_tests += u64::from(group.len);
-        let mut mask = group.overlaps(simd, other, lane);
+        let mut mask = group.overlaps(simd, other, lane, self.a.frames());
         if T::MOVES && mask != 0 {
             mask &= self.a.meet(simd, slot, &self.b, node_b.box_at(), &mut self.enter);
         }
@@ -278,16 +280,10 @@ impl OverlapWalk {
 
     /// Pushes the children in a slot of B that overlap a child of A.
     #[inline(always)]
-    fn descend_row<S: Simd, T: BoxTree>(
-        &mut self,
-        simd: S,
-        at_a: BoxAt,
-        slot_b: usize,
-        order: Order<'_>,
-    ) {
+    fn descend_row<S: Simd, T: BoxTree>(&mut self, simd: S, at_a: BoxAt, slot_b: usize, order: Order<'_>) {
         let (group_a, group_b) = (self.a.group(at_a.slot), self.b.group(slot_b));
         self.node_tests += u64::from(group_b.len);
-        let mut mask = group_b.overlaps(simd, group_a, at_a.lane);
+        let mut mask = group_b.overlaps(simd, group_a, at_a.lane, self.b.frames());
         if T::MOVES && mask != 0 {
             mask &= self.b.meet(simd, slot_b, &self.a, at_a, &mut self.enter);
         }

@@ -33,6 +33,7 @@ pub(crate) use displacement::displacement;
 pub use instance::Pose;
 pub(crate) use placed_body::PlacedBody;
 pub(crate) use posed::{Blended, NodeRef, Posed};
+pub(crate) use posed_skin::LeafPositions;
 pub use snapshot::PoseSnapshot;
 pub use visit::PosedNode;
 pub use weights::WeightsError;

@@ -151,16 +151,31 @@ impl<'a> Posed<'a> {
         DVec3::new(x, y, z)
     }
 
+    /// The world positions of a leaf's vertices, as indices of `world`. The fourth number of each position is padding.
+    #[inline(always)]
+    pub(crate) fn leaf_positions(&mut self, leaf: Leaf) -> LeafPositions<'_> {
+        let vertices = self.topology.leaf_vertices(leaf);
+        let world = self
+            .pose_leaf(leaf)
+            .map_or(&[][..], |skinning| skinning.vertices.world());
+        LeafPositions { vertices, world }
+    }
+
     /// The positions of a leaf's vertices in world space. The fourth number of each is padding.
     pub(crate) fn world_vertices(&mut self, leaf: Leaf) -> &[[f64; 4]] {
-        let mut world = std::mem::take(&mut self.buffers.world);
-        world.clear();
-        let vertices = self.topology.leaf_vertices(leaf);
-        if let Some(skinning) = self.pose_leaf(leaf) {
-            let positions = skinning.vertices.world();
-            world.extend(vertices.iter().map(|&vertex| positions[vertex as usize]));
-        }
-        self.buffers.world = world;
+        let mut positions = std::mem::take(&mut self.buffers.world);
+        positions.clear();
+        let LeafPositions { vertices, world } = self.leaf_positions(leaf);
+        positions.extend(vertices.iter().map(|&vertex| world[vertex as usize]));
+        self.buffers.world = positions;
         &self.buffers.world
     }
+}
+
+/// The posed vertices of a leaf.
+#[derive(Clone, Copy)]
+pub(crate) struct LeafPositions<'p> {
+    pub(crate) vertices: &'p [u32],
+    /// By vertex of the mesh.
+    pub(crate) world: &'p [[f64; 4]],
 }

@@ -73,7 +73,7 @@ impl<'q, 'p> Side<'q, 'p> {
                 if self.tree.is_skinned() {
                     let mesh = self.tree.topology.leaf_mesh(leaf);
                     let triangles = mesh.corners.chunks(LANES).nth(index).unwrap_or_default();
-                    placement.place_points(simd, self.tree.world_vertices(leaf), points);
+                    placement.place_points(simd, self.tree.leaf_positions(leaf), points);
                     gather(simd, triangles, points, &mut patch.corners);
                 } else {
                     self.tree.patch_corners(simd, leaf, index, &mut patch.corners);

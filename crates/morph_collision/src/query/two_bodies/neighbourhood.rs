@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::bounds::WorldFromModel;
 use crate::exact::{power_of_two, power_of_two_below};
+use crate::pose::LeafPositions;
 use crate::tree::CornerLanes;
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
@@ -55,19 +56,26 @@ pub(in crate::query) struct Placement {
 }
 
 impl Placement {
-    /// Takes points from world space to the neighbourhood. The fourth number of each point is padding.
+    /// Takes the vertices of a leaf from world space to the neighbourhood. The fourth number of each point is padding.
     #[inline(always)]
-    pub(in crate::query) fn place_points<S: Simd>(&self, simd: S, points: &[[f64; 4]], placed: &mut Vec<[f32; 4]>) {
+    pub(in crate::query) fn place_points<S: Simd>(
+        &self,
+        simd: S,
+        LeafPositions { vertices, world }: LeafPositions<'_>,
+        placed: &mut Vec<[f32; 4]>,
+    ) {
         let [x, y, z] = self.origin;
         let origin = f64x4::from_slice(simd, &[x, y, z, 0.0]);
         let scale = f64x4::splat(simd, self.scale);
         placed.clear();
-        for point in points {
+        // In pairs; the last one may be padding.
+        placed.resize(vertices.len().next_multiple_of(2), [0.0; 4]);
+        for (pair, placed) in vertices.chunks(2).zip(placed.chunks_exact_mut(2)) {
+            let (first, second) = (pair[0], pair[pair.len() - 1]);
             // The scale is a power of two, so it changes no rounding.
-            let local = f64x4::from_slice(simd, point) * scale - origin;
-            let mut numbers = [0.0; 4];
-            local.narrow(local).split().0.store_slice(&mut numbers);
-            placed.push(numbers);
+            let first = f64x4::from_slice(simd, &world[first as usize]) * scale - origin;
+            let second = f64x4::from_slice(simd, &world[second as usize]) * scale - origin;
+            first.narrow(second).store_slice(placed.as_flattened_mut());
         }
     }
 

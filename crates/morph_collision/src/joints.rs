@@ -124,6 +124,12 @@ impl JointMatrices {
         self.padded(joint).map(vector)
     }
 
+    /// Whether a joint turns outward windings inward.
+    pub(crate) fn mirrors(&self, joint: u16) -> bool {
+        let [x, y, z, _] = self.columns(joint);
+        x.cross(y).dot(z) < 0.0
+    }
+
     /// The largest absolute coordinate of a translation relative to `origin`.
     pub(crate) fn spread(&self, origin: DVec3) -> f64 {
         // Coordinate by coordinate, which the compiler turns into vector instructions.

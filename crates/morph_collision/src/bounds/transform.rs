@@ -16,6 +16,8 @@ pub struct WorldFromModel {
     /// Computed once, because every pair of bodies needs it; `None` if [`Inverse::new`] returns `None`.
     inverse: Option<Inverse>,
     scale: f64,
+    /// Whether it turns outward windings inward.
+    mirrors: bool,
 }
 
 impl Default for WorldFromModel {
@@ -31,6 +33,7 @@ impl WorldFromModel {
         translation: DVec3::ZERO,
         inverse: Some(Inverse::IDENTITY),
         scale: 1.0,
+        mirrors: false,
     };
 
     /// Checks an affine map.
@@ -60,6 +63,7 @@ impl WorldFromModel {
             translation,
             inverse: Inverse::new(linear),
             scale: x.length().max(y.length()).max(z.length()),
+            mirrors: linear.determinant() < 0.0,
         }
     }
 
@@ -118,7 +122,12 @@ impl WorldFromModel {
 
     /// Whether the map mirrors: it turns outward windings inward.
     pub(crate) fn mirrors(&self) -> bool {
-        self.linear.determinant() < 0.0
+        self.mirrors
+    }
+
+    /// The same map for a body whose vertices were mirrored before, or not.
+    pub(crate) fn of_mirrored(self, mirrors: bool) -> Self {
+        Self { mirrors, ..self }
     }
 
     /// Whether two maps have the same linear part and translation. Cheaper than `==`, which also compares derived values.

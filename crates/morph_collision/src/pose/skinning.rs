@@ -65,7 +65,8 @@ impl Skinning {
             self.measure(tree, skin);
         }
         let [x, y, z] = DVec3::AXES;
-        WorldFromModel::from_columns([x, y, z, self.origin])
+        let frame = WorldFromModel::from_columns([x, y, z, self.origin]);
+        frame.of_mirrored(tree.skin.middle.is_some_and(|(joint, _)| self.joints.mirrors(joint)))
     }
 
     fn measure(&mut self, tree: SkinTree<'_>, skin: &Skin) {

@@ -219,6 +219,35 @@ fn contacts_and_distances() {
     assert!(contacts > 15 && distances == 20, "{contacts} {distances}");
 }
 
+/// The outer side of a mesh that a joint mirrors is that of the same mesh mirrored by its transform.
+#[test]
+fn mirrored_bodies_keep_their_outer_side() {
+    let base = [Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0, Vec3::Z * 4.0];
+    let triangles = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+    let influences = Influences {
+        joints: &[[0; 4]; 4],
+        weights: &[[1.0, 0.0, 0.0, 0.0]; 4],
+    };
+    let skinned = MorphModel::skinned::<[Vec3; 0]>(&base, &triangles, &[], 1, &[influences]).unwrap();
+    let plain = MorphModel::from_displacements::<[Vec3; 0]>(&base, &triangles, &[]).unwrap();
+    let [mut skinned, mut plain] =
+        [skinned, plain].map(|model| Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))));
+    let mut other = plain.clone();
+    let beside = WorldFromModel::new(Affine3A::from_translation(Vec3::new(-2.0, 0.5, 0.25))).unwrap();
+    for x in [1.0, -1.0] {
+        let place = Affine3A::from_scale_rotation_translation(Vec3::new(x, 1.0, 1.0), Quat::IDENTITY, Vec3::ONE / 4.0);
+        skinned.set_joints(&JointMatrices::new(&[place]).unwrap()).unwrap();
+        let place = WorldFromModel::new(place).unwrap();
+        let mut manifold = |pose: &mut Pose| {
+            let [a, b] = [Body::new(pose, &place), Body::new(&mut other, &beside)];
+            ContactQuery::new().manifold(a, b).unwrap()
+        };
+        let (of_skinned, of_plain) = (manifold(&mut skinned), manifold(&mut plain));
+        assert_eq!(of_skinned, of_plain, "{x}");
+        assert!(of_plain.normal.length() > 0.5, "{x}");
+    }
+}
+
 #[test]
 fn rays_and_anchors() {
     let found = same(0..20, |poses, rng| {

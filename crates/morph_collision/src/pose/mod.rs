@@ -45,11 +45,11 @@ mod displacement_tests;
 #[cfg(test)]
 mod joint_rounding_tests;
 #[cfg(test)]
+mod outer_boxes_tests;
+#[cfg(test)]
 mod placement_rounding_tests;
 #[cfg(test)]
 mod refit_tests;
-#[cfg(test)]
-mod root_children_tests;
 #[cfg(test)]
 mod rounding_tests;
 #[cfg(test)]

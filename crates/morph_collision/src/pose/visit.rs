@@ -10,7 +10,7 @@ use crate::tree::ChildKind;
 pub struct PosedNode<'a> {
     /// The box around the node's triangles: in model space, or in the space of `world_from_bounds` if that is set.
     pub bounds: Aabb,
-    /// For a skinned mesh, the map from the space of `bounds` to world space: its nodes' boxes are in the spaces of joints.
+    /// For a skinned mesh, the map from the space of `bounds` to world space: its boxes have the world's axes and an origin in the body.
     pub world_from_bounds: Option<WorldFromModel>,
     /// Whether the box was cached before the visit. The root also counts as cached if its children are, because a body's bounds come
     /// from them.

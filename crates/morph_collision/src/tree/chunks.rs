@@ -9,7 +9,7 @@ use super::topology::{Child, ChildKind, Leaf, Topology};
 use crate::model::BLOCK;
 
 /// A chunk is a largest subtree with at most this many triangles. Chosen by instruction counts (docs/tried.md).
-const MAX_TRIANGLES: usize = 128;
+pub(super) const MAX_TRIANGLES: usize = 128;
 
 /// A subtree that is posed as a whole. It may be a single leaf.
 #[derive(Clone, Debug)]

@@ -62,6 +62,8 @@ pub(crate) use topology::{Child, ChildKind, Leaf, NodeId, Topology};
 #[cfg(test)]
 mod builder_tests;
 #[cfg(test)]
+mod chunk_tests;
+#[cfg(test)]
 mod sah_tests;
 #[cfg(test)]
 mod tests;

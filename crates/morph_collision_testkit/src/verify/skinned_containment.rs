@@ -7,12 +7,12 @@ use super::{ContainmentReport, ContainmentViolation};
 use crate::oracle;
 use morph_collision_models::mesh::{MeshSkin, MorphMesh};
 
-/// Upper bound on all rounding of a world position and of its way back into a joint's space, in units of the terms' magnitudes.
+/// Upper bound on all rounding of a world position and of its way into the body's frame, in units of the terms' magnitudes.
 const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
 
 /// Like [`check_containment`](super::check_containment), for a skinned mesh with these joint matrices.
 ///
-/// A box that is stored in a joint's space must contain each vertex taken back into that space, up to the rounding of `f64`.
+/// The box of a node must contain each vertex taken into the frame of the box, up to the rounding of `f64`.
 /// Boxes are `f32`, with rounding errors about a thousand million times as large. The same holds for the box around the whole body in
 /// another space. Both boxes around the whole body in world space must contain each vertex exactly.
 ///

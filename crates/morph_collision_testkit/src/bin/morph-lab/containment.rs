@@ -37,7 +37,7 @@ pub(crate) fn containment(args: &ContainmentArgs) -> Result<Verdict, AnyError> {
         let (mut done, mut violations, mut first) = (0, 0, None);
         while done < args.checks {
             for (mesh, pose) in &mut bodies {
-                // Boxes of rigidly moving parts remain valid if only joints change.
+                // What depends on weights alone stays cached if only joints change.
                 if mesh.skin.is_none() || rng.random_bool(0.5) {
                     pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
                 }

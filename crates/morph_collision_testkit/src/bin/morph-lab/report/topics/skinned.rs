@@ -19,8 +19,8 @@ impl EveryMethod for Skinned {
         - `bottom-up`, `hybrid` and Parry's place every vertex by its joints in every frame, and then refit.\n\
         - `joint-boxes` (boxes per joint) has a tree over the mesh at rest, whose nodes know which joints move them. Only where a query visits, it\n  \
           computes boxes from a box per joint, and skins vertices.\n\
-        - Two costs remain in ours: the bounds of a character whose joints have all moved, because dozens of joints meet in the root's children, and\n  \
-          boxes that are looser than fitted ones because they hold for all weights of joints ([skinning.md](../skinning.md)).\n";
+        - What remains in ours: vertices and boxes of a part of a character are computed together when a query first looks at it, also those that\n  \
+          the query does not need ([skinning.md](../skinning.md)).\n";
 
     fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {
         let scenes = Experiment::walkers().map(|(name, _)| Source::named(name, every));

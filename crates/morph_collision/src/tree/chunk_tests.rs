@@ -10,9 +10,9 @@ use super::budget::{Budget, run_to_end};
 use super::build::{Splits, build_over};
 use super::chunks::MAX_TRIANGLES;
 use super::*;
-use crate::bounds::{Aabb, LANES};
+use crate::bounds::Aabb;
 use crate::joints::JointMatrices;
-use crate::model::{Influences, MorphModel};
+use crate::model::{BLOCK, Influences, MorphModel};
 use crate::pose::Pose;
 use crate::{Body, WorldFromModel};
 
@@ -79,7 +79,7 @@ fn check(bvh: &MorphBvh) -> [usize; 2] {
         assert!(groups.iter().all(|&group| chunks.source(group) == Source::Chunk(count)));
         assert!(leaves.iter().all(|&leaf| chunks.of_leaf(leaf) == count));
         let vertices = leaves.iter().flat_map(|&leaf| topology.leaf_vertices(leaf));
-        let mut blocks: Vec<u32> = vertices.map(|vertex| vertex / LANES as u32).collect();
+        let mut blocks: Vec<u32> = vertices.map(|vertex| vertex / BLOCK as u32).collect();
         blocks.sort_unstable();
         blocks.dedup();
         assert_eq!(chunks.blocks(count), blocks);

@@ -5,7 +5,8 @@ use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{BLOCK, Influence, Influences, MorphModel, Weights};
+use super::skin::Influence;
+use super::{BLOCK, Influences, MorphModel, Weights};
 use crate::bounds::{Kernel, with_simd};
 use crate::joints::JointMatrices;
 

@@ -269,7 +269,10 @@ fn search(boxes: &str, known: &[(Form, f64)], share: impl Fn(Form, &[f32]) -> Op
     let found: Vec<f64> = known.iter().map(|(form, _)| highest(*form)).collect();
     println!("{boxes}: {found:.3?} of the slack");
     for ((form, known), found) in known.iter().zip(found) {
-        assert!(is_as_known(found, *known), "{boxes}, {form:?}: {found} of the slack, known is {known}");
+        assert!(
+            is_as_known(found, *known),
+            "{boxes}, {form:?}: {found} of the slack, known is {known}"
+        );
     }
 }
 

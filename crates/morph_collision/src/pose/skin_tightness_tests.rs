@@ -89,7 +89,8 @@ fn boxes_are_as_small_far_away() {
     for at in [0.0, 1e3, -1e7] {
         let mut worst = 0.0_f32;
         for _ in 0..20 {
-            pose.set_joints(&joints(&mut rng, 0.1, Vec3::new(at, 0.0, 2.0 * at))).unwrap();
+            pose.set_joints(&joints(&mut rng, 0.1, Vec3::new(at, 0.0, 2.0 * at)))
+                .unwrap();
             worst = worst.max(largest_leaf(&mut pose) / (2.2 * U));
         }
         println!("{at}: {worst}");

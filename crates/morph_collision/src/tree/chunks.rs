@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use super::budget::Budget;
 use super::topology::{Child, ChildKind, Leaf, Topology};
 use crate::model::BLOCK;
 
@@ -52,7 +53,7 @@ pub(crate) struct Chunks {
 const OUTER: u32 = 1 << 31;
 
 impl Chunks {
-    pub(super) fn new(topology: &Topology) -> Self {
+    pub(super) async fn new(topology: &Topology, budget: &Budget) -> Self {
         let mut chunks = Self {
             of_leaves: vec![0; topology.leaf_count()],
             of_groups: vec![0; topology.group_count()],
@@ -75,7 +76,10 @@ impl Chunks {
                     outer += 1;
                     rest.extend(topology.group(group).children().iter().rev());
                 }
-                _ => chunks.push(topology, node),
+                _ => {
+                    budget.spend(topology.triangles_below(node).len()).await;
+                    chunks.push(topology, node);
+                }
             }
         }
         chunks.chunks.shrink_to_fit();

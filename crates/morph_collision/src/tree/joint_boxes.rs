@@ -1,9 +1,11 @@
 //! One box per joint around the vertices that it moves, before joints move them. Together they bound a body before any node is blended.
 
+use super::budget::Budget;
 use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
+use super::topology::{Leaf, Topology};
 use crate::bounds::LANES;
-use crate::model::MorphModel;
+use crate::model::{MorphModel, Skin};
 
 /// The boxes of all joints that move a vertex of a triangle, eight side by side.
 #[derive(Clone, Default)]
@@ -14,20 +16,19 @@ pub(crate) struct JointBoxes {
 }
 
 impl JointBoxes {
-    pub(super) fn new(model: &MorphModel) -> Self {
-        let Some(skin) = model.skin() else {
-            return Self::default();
-        };
-        let mut vertices: Vec<u32> = (0..model.triangle_count() as u32)
-            .flat_map(|t| model.corners(t))
-            .collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+    pub(super) async fn new(model: &MorphModel, skin: &Skin, topology: &Topology, budget: &Budget) -> Self {
         let mut moved: Vec<Option<NodeExtents>> = vec![None; skin.joint_count()];
-        for &vertex in &vertices {
-            let extents = NodeExtents::of_vertex(model, vertex);
-            for influence in skin.influences(vertex) {
-                extents.add_to(&mut moved[usize::from(influence.joint)]);
+        let mut is_used = vec![false; model.vertex_count()];
+        for leaf in 0..topology.leaf_count() {
+            let vertices = topology.leaf_vertices(Leaf(leaf));
+            budget.spend(super::build::work_on(model, vertices.len())).await;
+            for &vertex in vertices {
+                if !std::mem::replace(&mut is_used[vertex as usize], true) {
+                    let extents = NodeExtents::of_vertex(model, vertex);
+                    for influence in skin.influences(vertex) {
+                        extents.add_to(&mut moved[usize::from(influence.joint)]);
+                    }
+                }
             }
         }
         let mut boxes = Self::default();

@@ -7,7 +7,7 @@ use super::budget::Budget;
 use super::chunks::Chunks;
 use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
-use super::topology::Topology;
+use super::topology::{Child, Leaf, Topology};
 use crate::bounds::{LANES, down, up};
 use crate::model::{MorphModel, Skin, sum_rounding};
 
@@ -56,16 +56,18 @@ impl OuterTables {
         budget: &Budget,
     ) -> Self {
         let mut tables = Self::default();
+        let mut seen = Seen::new(model.vertex_count());
         for group in chunks.outer_groups() {
             let mut extents = Vec::new();
             let mut of_group = OuterGroup::default();
             for node in topology.group(group).children() {
-                let triangles = topology.triangles_below(*node);
-                budget.spend(3 * triangles.len()).await;
-                let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| model.corners(t)).collect();
-                vertices.sort_unstable();
-                vertices.dedup();
-                let mut joints = Joints::new(skin, &vertices);
+                let vertices = vertices_below(topology, *node, &mut seen, budget).await;
+                let mut joints = Joints::new(skin);
+                for vertices in vertices.chunks(PIECE) {
+                    budget.spend(vertices.len()).await;
+                    joints.count(skin, vertices);
+                }
+                joints.sort();
                 for &vertex in &vertices {
                     budget.spend(super::build::work_on(model, 1)).await;
                     joints.add(model, skin, vertex);
@@ -119,8 +121,45 @@ impl OuterTables {
     }
 }
 
+/// The number of vertices that are counted in one piece of work.
+const PIECE: usize = 256;
+
+/// The vertices of which a node has been seen last.
+struct Seen {
+    last: Vec<u32>,
+    node: u32,
+}
+
+impl Seen {
+    fn new(vertices: usize) -> Self {
+        Self {
+            last: vec![0; vertices],
+            node: 0,
+        }
+    }
+}
+
+/// The distinct vertices of the triangles below a node.
+async fn vertices_below(topology: &Topology, node: Child, seen: &mut Seen, budget: &Budget) -> Vec<u32> {
+    seen.node += 1;
+    let mut vertices = Vec::new();
+    let [first, last] = topology.leaves_below(node);
+    for leaf in first.0..=last.0 {
+        let of_leaf = topology.leaf_vertices(Leaf(leaf));
+        budget.spend(of_leaf.len()).await;
+        for &vertex in of_leaf {
+            if std::mem::replace(&mut seen.last[vertex as usize], seen.node) != seen.node {
+                vertices.push(vertex);
+            }
+        }
+    }
+    vertices
+}
+
 /// The parts of a child, while its vertices are added.
 struct Joints {
+    /// The sum of the weights of each joint.
+    sums: Vec<f64>,
     /// The joints, the one with the largest sum of weights first.
     order: Vec<u16>,
     /// The index in `order` of each joint.
@@ -132,27 +171,35 @@ struct Joints {
 }
 
 impl Joints {
-    /// The joints of some vertices.
-    fn new(skin: &Skin, vertices: &[u32]) -> Self {
-        let mut sums = vec![0.0; skin.joint_count()];
-        for influence in vertices.iter().flat_map(|&vertex| skin.influences(vertex)) {
-            sums[usize::from(influence.joint)] += f64::from(influence.weight);
-        }
-        let mut order: Vec<u16> = (0..skin.joint_count() as u16).collect();
-        order.retain(|&joint| sums[usize::from(joint)] > 0.0);
-        order.sort_by(|&a, &b| sums[usize::from(b)].total_cmp(&sums[usize::from(a)]).then(a.cmp(&b)));
-        let mut index = vec![0; skin.joint_count()];
-        for (at, joint) in order.iter().enumerate() {
-            index[usize::from(*joint)] = at;
-        }
+    fn new(skin: &Skin) -> Self {
         Self {
-            shares: vec![0.0; order.len()],
-            extents: vec![None; order.len()],
+            sums: vec![0.0; skin.joint_count()],
+            order: Vec::new(),
+            index: vec![0; skin.joint_count()],
+            shares: Vec::new(),
+            extents: Vec::new(),
             missing: [f64::INFINITY, f64::NEG_INFINITY],
             weights: Vec::new(),
-            order,
-            index,
         }
+    }
+
+    /// Adds the weights of some vertices to the sums of their joints.
+    fn count(&mut self, skin: &Skin, vertices: &[u32]) {
+        for influence in vertices.iter().flat_map(|&vertex| skin.influences(vertex)) {
+            self.sums[usize::from(influence.joint)] += f64::from(influence.weight);
+        }
+    }
+
+    /// Sorts the joints, after all vertices have been counted.
+    fn sort(&mut self) {
+        let sum = |joint: u16| self.sums[usize::from(joint)];
+        self.order = (0..self.sums.len() as u16).filter(|&joint| sum(joint) > 0.0).collect();
+        self.order.sort_by(|&a, &b| sum(b).total_cmp(&sum(a)).then(a.cmp(&b)));
+        for (at, joint) in self.order.iter().enumerate() {
+            self.index[usize::from(*joint)] = at;
+        }
+        self.shares = vec![0.0; self.order.len()];
+        self.extents = vec![None; self.order.len()];
     }
 
     fn add(&mut self, model: &MorphModel, skin: &Skin, vertex: u32) {

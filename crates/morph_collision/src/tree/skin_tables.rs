@@ -21,10 +21,8 @@ pub(crate) struct SkinTables {
 
 impl SkinTables {
     pub(super) async fn new(model: &MorphModel, skin: &Skin, topology: &Topology, budget: &Budget) -> Self {
-        budget.spend(3 * model.triangle_count()).await;
-        let chunks = Chunks::new(topology);
-        budget.spend(model.vertex_count()).await;
-        let joints = JointBoxes::new(model);
+        let chunks = Chunks::new(topology, budget).await;
+        let joints = JointBoxes::new(model, skin, topology, budget).await;
         Self {
             outer: OuterTables::new(model, skin, topology, &chunks, budget).await,
             middle: middle(model, skin, &joints),

@@ -1,7 +1,7 @@
 //! Eight boxes side by side.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8};
+use fearless_simd::{f32x4, f32x8, mask32x8};
 use glam::Vec3;
 
 use super::{Aabb, LANES, Lanes};
@@ -16,6 +16,9 @@ pub(crate) struct BoxLanes {
     pub(crate) min: [Lanes; 3],
     pub(crate) max: [Lanes; 3],
 }
+
+/// The lower and the upper corner of a box. The fourth numbers are padding.
+pub(crate) type Corners = [[f32; 4]; 2];
 
 impl BoxLanes {
     #[inline(always)]
@@ -33,6 +36,24 @@ impl BoxLanes {
         for axis in 0..3 {
             self.min[axis].0[lane] = bounds.min[axis];
             self.max[axis].0[lane] = bounds.max[axis];
+        }
+    }
+
+    /// Sets all eight boxes from their corners.
+    #[inline(always)]
+    pub(crate) fn set_corners<S: Simd>(&mut self, simd: S, corners: &[Corners; LANES]) {
+        for (end, rows) in [&mut self.min, &mut self.max].into_iter().enumerate() {
+            for first in [0, LANES / 2] {
+                let a = f32x4::from_slice(simd, &corners[first][end]);
+                let b = f32x4::from_slice(simd, &corners[first + 1][end]);
+                let c = f32x4::from_slice(simd, &corners[first + 2][end]);
+                let d = f32x4::from_slice(simd, &corners[first + 3][end]);
+                let (ac, bd) = (a.zip_low(c), b.zip_low(d));
+                let (ac_high, bd_high) = (a.zip_high(c), b.zip_high(d));
+                ac.zip_low(bd).store_slice(&mut rows[0].0[first..first + 4]);
+                ac.zip_high(bd).store_slice(&mut rows[1].0[first..first + 4]);
+                ac_high.zip_low(bd_high).store_slice(&mut rows[2].0[first..first + 4]);
+            }
         }
     }
 

@@ -22,7 +22,7 @@ mod transform;
 mod world_query;
 
 pub use aabb::Aabb;
-pub(crate) use box_lanes::BoxLanes;
+pub(crate) use box_lanes::{BoxLanes, Corners};
 pub(crate) use box_map::{BoxMap, map_into, world_map};
 pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, PlacedBounds, visit_frames};

@@ -4,11 +4,8 @@ use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
 
 use super::cache::EpochCache;
-use crate::bounds::{BoxLanes, LANES};
+use crate::bounds::{BoxLanes, Corners, LANES};
 use crate::tree::{ChildKind, Topology};
-
-/// The lower and the upper corner of a box. The fourth numbers are padding.
-type Corners = [[f32; 4]; 2];
 
 /// The boxes of the groups that have been fitted, as their parents need them. Memory that the next chunk reuses.
 #[derive(Clone, Debug, Default)]
@@ -53,17 +50,7 @@ impl ChunkBoxes {
             let of_group = &mut self.hulls[group - groups.start];
             hull[0].store_slice(&mut of_group[0]);
             hull[1].store_slice(&mut of_group[1]);
-            let boxes = boxes.get_mut(slot);
-            for (end, rows) in [&mut boxes.min, &mut boxes.max].into_iter().enumerate() {
-                for first in [0, LANES / 2] {
-                    let [a, b, c, d] = [0, 1, 2, 3].map(|i| f32x4::from_slice(simd, &lanes[first + i][end]));
-                    let (ac, bd) = (a.zip_low(c), b.zip_low(d));
-                    let (ac_high, bd_high) = (a.zip_high(c), b.zip_high(d));
-                    ac.zip_low(bd).store_slice(&mut rows[0].0[first..first + 4]);
-                    ac.zip_high(bd).store_slice(&mut rows[1].0[first..first + 4]);
-                    ac_high.zip_low(bd_high).store_slice(&mut rows[2].0[first..first + 4]);
-                }
-            }
+            boxes.get_mut(slot).set_corners(simd, &lanes);
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::part_boxes::{PartBlock, PartBoxes};
 use super::skin_tree::{MAX_REACH, SkinTree};
-use crate::bounds::{Aabb, BoxLanes, LANES, with_simd};
+use crate::bounds::{Aabb, BoxLanes, Corners, LANES, with_simd};
 use crate::joints::JointMatrices;
 use crate::tree::OuterTables;
 
@@ -69,55 +69,52 @@ fn bound<S: Simd>(
     let zero = f64x4::splat(simd, 0.0);
     let world = f64x4::from_slice(simd, &[origin.x, origin.y, origin.z, 0.0]);
     // Narrowing rounds by at most half of this share.
-    let share_of_narrowing = f64x4::splat(simd, f64::from(f32::EPSILON));
+    let of_narrowing = f64x4::splat(simd, f64::from(f32::EPSILON));
+    let group = tree.skin.outer.group(outer);
+    let roundings = (20.0 + 8.0 * group.most_parts as f64) * f64::EPSILON;
     let far = origin.abs().max_element();
     let reach = reach + far;
-    for (lane, child) in tree.skin.outer.group(outer).children.iter().enumerate() {
-        // The lower ends, and the negated upper ends. The extra joint takes every point to the world's origin.
-        let (mut low, mut high) = (zero - world, world);
-        for (index, part) in child.parts.iter().enumerate() {
+    let mut corners = [Corners::default(); LANES];
+    for ((joint_parts, [least, most]), corners) in group.children().zip(&mut corners) {
+        // The extra joint takes every point to the world's origin.
+        let (mut low, mut high) = (zero - world, zero - world);
+        for (index, part) in joint_parts.iter().enumerate() {
             let mut columns = joints.loaded(simd, part.joint);
             columns[3] -= world;
             let place = part.place as usize;
             let [middle, radius] = parts[place / LANES].image(simd, place, columns);
-            let (least, most) = (middle - radius, zero - middle - radius);
+            let (least, most) = (middle - radius, middle + radius);
             if index == 0 {
                 (low, high) = (least, most);
             } else {
                 let share = f64x4::splat(simd, f64::from(part.share));
                 low += (least - low).min(zero) * share;
-                high += (most - high).min(zero) * share;
+                high += (most - high).max(zero) * share;
             }
         }
-        let [least, most] = child.missing.map(f64::from);
-        let largest = least.abs().max(most.abs());
         let mut reach = reach;
+        let largest = f64::from(least.abs().max(most.abs()));
         if largest > 0.0 {
-            let (least, most) = (f64x4::splat(simd, least), f64x4::splat(simd, most));
-            let (of_low, of_high) = (low + world, high - world);
+            let (least, most) = (
+                f64x4::splat(simd, f64::from(least)),
+                f64x4::splat(simd, f64::from(most)),
+            );
+            let (of_low, of_high) = (low + world, high + world);
             low -= (of_low * least).max(of_low * most);
-            high -= (of_high * least).max(of_high * most);
+            high -= (of_high * least).min(of_high * most);
             reach += largest * (reach + far);
         }
-        let roundings = 20.0 + 8.0 * child.parts.len() as f64;
-        let by = roundings * f64::EPSILON * reach + f64::from(f32::MIN_POSITIVE);
+        let by = roundings * reach + f64::from(f32::MIN_POSITIVE);
         // False for NaN.
         if reach + by <= f64::from(MAX_REACH) {
             let by = f64x4::splat(simd, by);
-            low -= low.abs() * share_of_narrowing + by;
-            high -= high.abs() * share_of_narrowing + by;
-            let mut packed = [0.0; LANES];
-            low.narrow(high).store_slice(&mut packed);
-            let [a, b, c, _, d, e, f, _] = packed;
-            boxes.set(
-                lane,
-                &Aabb {
-                    min: Vec3::new(a, b, c),
-                    max: Vec3::new(-d, -e, -f),
-                },
-            );
+            low -= low.abs() * of_narrowing + by;
+            high += high.abs() * of_narrowing + by;
         } else {
-            boxes.set(lane, &Aabb::UNBOUNDED);
+            low = f64x4::splat(simd, f64::NEG_INFINITY);
+            high = f64x4::splat(simd, f64::INFINITY);
         }
+        low.narrow(high).store_slice(corners.as_flattened_mut());
     }
+    boxes.set_corners(simd, &corners);
 }

@@ -136,6 +136,11 @@ impl Chunks {
         }
     }
 
+    /// Whether a node has a group above the chunks.
+    pub(crate) fn is_outer(&self, node: Child) -> bool {
+        matches!(node.kind(), ChildKind::Group(group) if matches!(self.source(group), Source::Outer(_)))
+    }
+
     /// The groups above the chunks, in preorder.
     pub(crate) fn outer_groups(&self) -> impl DoubleEndedIterator<Item = usize> {
         let of_groups = self.of_groups.iter().enumerate();

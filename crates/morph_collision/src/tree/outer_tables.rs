@@ -23,18 +23,30 @@ pub(crate) struct OuterTables {
 /// A group above the chunks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OuterGroup {
-    pub(crate) children: Vec<MovedChild>,
+    children: Vec<MovedChild>,
+    /// Child by child. The joint that moves most of a child comes first.
+    parts: Vec<MovedPart>,
     /// Its blocks of boxes.
     blocks: Range<usize>,
+    /// The largest number of parts of a child.
+    pub(crate) most_parts: usize,
 }
 
-/// The joints that move a child.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct MovedChild {
-    /// The joint that moves most of the child comes first.
-    pub(crate) parts: Vec<MovedPart>,
-    /// The smallest and the largest difference of 1 and the sum of a vertex's weights.
-    pub(crate) missing: [f32; 2],
+struct MovedChild {
+    parts: Range<u32>,
+    missing: [f32; 2],
+}
+
+impl OuterGroup {
+    /// The parts of each child, and the smallest and the largest difference of 1 and the sum of a vertex's weights.
+    #[inline(always)]
+    pub(crate) fn children(&self) -> impl Iterator<Item = (&[MovedPart], [f32; 2])> {
+        let child = |MovedChild { parts, missing }: &MovedChild| {
+            (&self.parts[parts.start as usize..parts.end as usize], *missing)
+        };
+        self.children.iter().map(child)
+    }
 }
 
 /// The vertices of a child that a joint moves.
@@ -58,9 +70,11 @@ impl OuterTables {
         let mut tables = Self::default();
         let mut seen = Seen::new(model.vertex_count());
         for group in chunks.outer_groups() {
-            let mut extents = Vec::new();
-            let mut of_group = OuterGroup::default();
-            for node in topology.group(group).children() {
+            let children = topology.group(group).children();
+            let (mut of_group, mut extents) = (OuterGroup::default(), Vec::new());
+            // The box of a root whose children have such boxes is the hull of these.
+            let is_hull = matches!(children, [root] if chunks.is_outer(*root));
+            for node in if is_hull { &[] } else { children } {
                 let vertices = vertices_below(topology, *node, &mut seen, budget).await;
                 let mut joints = Joints::new(skin);
                 for vertices in vertices.chunks(PIECE) {
@@ -72,31 +86,33 @@ impl OuterTables {
                     budget.spend(super::build::work_on(model, 1)).await;
                     joints.add(model, skin, vertex);
                 }
-                let child = of_group.children.len();
-                of_group.children.push(joints.finish(skin, child, &mut extents));
+                joints.finish(skin, &mut of_group, &mut extents);
             }
-            let (still, moved): (Vec<_>, Vec<_>) = extents
-                .into_iter()
-                .partition(|(of_part, _): &(NodeExtents, _)| of_part.targets.is_empty());
-            let mut extents = Vec::with_capacity(still.len() + moved.len());
-            for (place, (of_part, (child, part))) in (0..).zip(still.into_iter().chain(moved)) {
-                of_group.children[child].parts[part].place = place;
-                extents.push(of_part);
-            }
-            let first = tables.boxes.group_count();
-            for extents in extents.chunks(LANES) {
-                tables.boxes.reserve();
-                let block = tables.boxes.group_count() - 1;
-                tables
-                    .boxes
-                    .fill(block, extents, &NodeExtents::of_parts(extents.iter()));
-            }
-            of_group.blocks = first..tables.boxes.group_count();
+            of_group.blocks = tables.add_boxes(&mut of_group.parts, extents);
             tables.groups.push(of_group);
         }
         tables.boxes.finish();
         tables.groups.shrink_to_fit();
         tables
+    }
+
+    /// Stores the boxes of the parts of a group. Returns their blocks.
+    fn add_boxes(&mut self, parts: &mut [MovedPart], extents: Vec<NodeExtents>) -> Range<usize> {
+        let in_order = parts.iter_mut().zip(extents);
+        let (still, moved): (Vec<_>, Vec<_>) = in_order.partition(|(_, extents)| extents.targets.is_empty());
+        let mut extents = Vec::with_capacity(still.len() + moved.len());
+        for (place, (part, of_part)) in (0..).zip(still.into_iter().chain(moved)) {
+            part.place = place;
+            extents.push(of_part);
+        }
+        let first = self.boxes.group_count();
+        for extents in extents.chunks(LANES) {
+            let block = self.boxes.group_count();
+            self.boxes.reserve();
+            let whole = NodeExtents::of_parts(extents.iter());
+            self.boxes.fill(block, extents, &whole);
+        }
+        first..self.boxes.group_count()
     }
 
     pub(crate) fn group_count(&self) -> usize {
@@ -115,9 +131,9 @@ impl OuterTables {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let children = || self.groups.iter().flat_map(|group| &group.children);
-        let parts: usize = children().map(|child| size_of_val(&*child.parts)).sum();
-        parts + size_of::<MovedChild>() * children().count() + size_of_val(&*self.groups) + self.boxes.bytes()
+        let of_group = |group: &OuterGroup| size_of_val(&*group.children) + size_of_val(&*group.parts);
+        let groups: usize = self.groups.iter().map(of_group).sum();
+        groups + size_of_val(&*self.groups) + self.boxes.bytes()
     }
 }
 
@@ -223,23 +239,25 @@ impl Joints {
         (*least, *most) = (least.min(missing[0]), most.max(missing[1]));
     }
 
-    /// Appends the extents of the parts, with the child's number and the part's.
-    fn finish(self, skin: &Skin, child: usize, extents: &mut Vec<(NodeExtents, (usize, usize))>) -> MovedChild {
+    /// Adds the child to its group, and the extents of its parts.
+    fn finish(self, skin: &Skin, group: &mut OuterGroup, extents: &mut Vec<NodeExtents>) {
         let rounding = sum_rounding(skin.most_influences());
-        let mut parts = Vec::with_capacity(self.order.len());
+        let first = group.parts.len();
         for ((joint, share), of_part) in self.order.into_iter().zip(self.shares).zip(self.extents) {
             // Every joint here moves a vertex.
             if let Some(of_part) = of_part {
-                extents.push((of_part, (child, parts.len())));
+                extents.push(of_part);
                 // Rounded up, with room for the roundings of two sums and their quotient.
                 let share = up(share * (1.0 + 8.0 * rounding)).min(1.0);
-                parts.push(MovedPart { joint, place: 0, share });
+                group.parts.push(MovedPart { joint, place: 0, share });
             }
         }
+        let parts = first as u32..group.parts.len() as u32;
+        group.most_parts = group.most_parts.max(parts.len());
         let [least, most] = self.missing;
-        MovedChild {
+        group.children.push(MovedChild {
             parts,
             missing: [down(least), up(most)],
-        }
+        });
     }
 }

@@ -285,11 +285,6 @@ impl MorphModel {
         self.displacements.of_vertex(vertex)
     }
 
-    /// The number of blocks.
-    pub(crate) fn block_count(&self) -> usize {
-        self.base.len()
-    }
-
     /// The base positions of a block, the targets that move it, ascending, and their displacements.
     #[inline(always)]
     pub(super) fn block(&self, block: usize) -> (&BlockVectors, &[u16], &[BlockVectors]) {

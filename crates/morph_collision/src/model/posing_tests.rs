@@ -187,7 +187,7 @@ fn blocks_have_the_bits_of_the_definition_of_one_vertex() {
         let mut seen = vec![false; model.vertex_count()];
         let blocks = |level| -> Vec<Posed> {
             let of = |block| posed(level, &model, block, &weights, &joints);
-            (0..model.block_count()).map(of).collect()
+            (0..model.vertex_count().div_ceil(BLOCK)).map(of).collect()
         };
         let by_level: Vec<Vec<Posed>> = Kernel::available().iter().map(|kernel| blocks(kernel.level)).collect();
         for (source, &vertex) in model.welded_from_source().iter().enumerate() {
@@ -224,7 +224,7 @@ fn blocks_have_the_bits_of_the_definition_of_one_vertex() {
             most = most.max(expected.len());
         }
         assert!(seen.iter().all(|seen| *seen), "every number is a vertex");
-        for block in 0..model.block_count() {
+        for block in 0..model.vertex_count().div_ceil(BLOCK) {
             let of_block = model.skin().unwrap().rows().of_block(block);
             rows += of_block.len();
             whole += usize::from(of_block.iter().any(|row| row.is_whole));

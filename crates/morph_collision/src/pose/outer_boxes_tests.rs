@@ -197,6 +197,8 @@ fn a_ray_poses_only_the_chunks_that_it_needs_and_later_queries_pose_the_rest() {
         let mut refitted = Pose::new(Arc::clone(&bvh));
         refitted.set_joints(&joints).unwrap();
         refitted.refit();
+        let (of_boxes, of_vertices) = check_outer_boxes(&mut refitted, "refitted");
+        assert!(of_boxes < of_vertices * 1.0001, "{of_boxes} {of_vertices}");
         let far = side as f64 - 3.5;
         let mut first = 0;
         for (x, y) in [(2.5, 2.3), (far, far)] {

@@ -34,7 +34,7 @@ pub(crate) type Columns = [[f64; 4]; 4];
 /// ```
 #[derive(Clone)]
 pub struct JointMatrices {
-    /// The columns of each matrix: `x`, `y`, `z` and the translation. An extra matrix of zeros comes last. It pulls vertices whose weights
+    /// The columns of each matrix: `x`, `y`, `z` and the translation. No entry is -0. An extra matrix of zeros comes last. It pulls vertices whose weights
     /// do not sum to 1 towards the world's origin.
     columns: Arc<[Columns]>,
     /// A bound on the sum of absolute values in a row of any linear part.
@@ -170,7 +170,9 @@ impl fmt::Debug for JointMatrices {
 /// The columns of a matrix.
 fn wide(matrix: &Affine3A) -> [DVec3; 4] {
     let Affine3A { matrix3, translation } = matrix;
-    [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis, *translation].map(|column| Vec3::from(column).as_dvec3())
+    // The sum turns -0 into 0.
+    let column = |column| Vec3::from(column).as_dvec3() + DVec3::ZERO;
+    [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis, *translation].map(column)
 }
 
 fn vector([x, y, z, _]: [f64; 4]) -> DVec3 {

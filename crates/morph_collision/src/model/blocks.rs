@@ -47,6 +47,6 @@ pub(super) fn repeated<T>(items: &[T]) -> impl Iterator<Item = (usize, &T)> {
 
 /// The block of a vertex, and its lane there.
 #[inline(always)]
-pub(super) fn block_and_lane(vertex: u32) -> (usize, usize) {
+pub(crate) fn block_and_lane(vertex: u32) -> (usize, usize) {
     (vertex as usize / BLOCK, vertex as usize % BLOCK)
 }

@@ -20,62 +20,62 @@ pub(crate) struct Displacement {
 /// The displacements of all vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Displacements {
-    /// `deltas[starts[b]..starts[b + 1]]` are those of block `b`, one per target that moves any of its vertices, ascending by target.
+    /// By block.
+    columns: Vec<Columns>,
     deltas: Vec<BlockVectors>,
-    starts: Vec<u32>,
-    /// `targets[lists[b]..]` are these targets. Blocks with equal lists share one.
     targets: Vec<u16>,
-    lists: Vec<u32>,
+}
+
+/// The displacements of a block, one per target that moves any of its vertices, ascending by target.
+#[derive(Clone, Copy, Debug)]
+struct Columns {
+    /// The number of targets.
+    count: u32,
+    /// Where they start in `targets`. Blocks with equal lists share one.
+    targets: u32,
+    /// Where the displacements start in `deltas`.
+    deltas: u32,
 }
 
 impl Displacements {
     /// The displacements of some vertices of a mesh.
     pub(super) fn new<T: TargetDisplacements>(targets: &[T], vertices: &[u32]) -> Self {
         let blocks = || vertices.chunks(BLOCK);
-        let (mut starts, mut lists) = (
-            Vec::with_capacity(blocks().len() + 1),
-            Vec::with_capacity(blocks().len()),
-        );
+        let mut columns = Vec::with_capacity(blocks().len());
         let (mut list, mut known, mut count) = (Vec::new(), Lists::default(), 0);
-        starts.push(0);
         for block in blocks() {
             let moves = |target: &T| block.iter().any(|&vertex| target.of(vertex as usize) != Vec3::ZERO);
             list.clear();
             list.extend((0..).zip(targets).filter(|(_, of)| moves(of)).map(|(target, _)| target));
-            lists.push(known.start_of(&list));
-            count += list.len();
-            starts.push(count as u32);
+            columns.push(Columns {
+                count: list.len() as u32,
+                targets: known.start_of(&list),
+                deltas: count,
+            });
+            count += list.len() as u32;
         }
         known.targets.shrink_to_fit();
         // Counted before anything is stored, so that nothing is stored twice.
-        let mut displacements = Self {
-            deltas: Vec::with_capacity(count),
-            starts,
-            targets: known.targets,
-            lists,
-        };
-        for (number, block) in blocks().enumerate() {
-            for i in displacements.listed(number) {
-                let of = &targets[usize::from(displacements.targets[i])];
-                let deltas = BlockVectors::new(block, |&vertex| of.of(vertex as usize));
-                displacements.deltas.push(deltas);
+        let mut deltas = Vec::with_capacity(count as usize);
+        for (block, columns) in blocks().zip(&columns) {
+            for &target in &known.targets[columns.targets as usize..][..columns.count as usize] {
+                let of = &targets[usize::from(target)];
+                deltas.push(BlockVectors::new(block, |&vertex| of.of(vertex as usize)));
             }
         }
-        displacements
-    }
-
-    /// Where the targets of a block are listed.
-    #[inline(always)]
-    fn listed(&self, block: usize) -> Range<usize> {
-        let first = self.lists[block] as usize;
-        first..first + (self.starts[block + 1] - self.starts[block]) as usize
+        Self {
+            columns,
+            deltas,
+            targets: known.targets,
+        }
     }
 
     /// The targets that move a block, ascending, and their displacements of it. A vertex that a target does not move has zeros.
     #[inline(always)]
     pub(super) fn of_block(&self, block: usize) -> (&[u16], &[BlockVectors]) {
-        let deltas = &self.deltas[self.starts[block] as usize..self.starts[block + 1] as usize];
-        (&self.targets[self.lists[block] as usize..][..deltas.len()], deltas)
+        let Columns { count, targets, deltas } = self.columns[block];
+        let of = |start: u32| start as usize..start as usize + count as usize;
+        (&self.targets[of(targets)], &self.deltas[of(deltas)])
     }
 
     /// The displacements of a vertex that are not zero, in ascending target order.
@@ -90,10 +90,7 @@ impl Displacements {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.deltas)
-            + size_of_val(&*self.starts)
-            + size_of_val(&*self.targets)
-            + size_of_val(&*self.lists)
+        size_of_val(&*self.columns) + size_of_val(&*self.deltas) + size_of_val(&*self.targets)
     }
 }
 

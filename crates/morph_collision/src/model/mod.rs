@@ -17,11 +17,12 @@ mod weights;
 mod weld;
 
 pub use bad_parts::BadParts;
-pub(crate) use blocks::BLOCK;
+pub(crate) use blocks::{BLOCK, block_and_lane};
 pub(crate) use check::LARGEST;
 pub(crate) use displacements::Displacement;
 pub use error::ModelError;
 pub use morph_model::MorphModel;
+pub(crate) use posing::{BlendedBlock, PlacedBlock};
 pub use skin::Influences;
 pub(crate) use skin::{Skin, sum_rounding};
 pub use targets::{SparseTarget, TargetDisplacements};

@@ -285,6 +285,16 @@ impl MorphModel {
         self.displacements.of_vertex(vertex)
     }
 
+    /// The number of blocks.
+    pub(crate) fn block_count(&self) -> usize {
+        self.base.len()
+    }
+
+    /// The number of vertices in a block.
+    pub(crate) fn block_len(&self, block: usize) -> usize {
+        BLOCK.min(self.vertex_count - block * BLOCK)
+    }
+
     /// The base positions of a block, the targets that move it, ascending, and their displacements.
     #[inline(always)]
     pub(super) fn block(&self, block: usize) -> (&BlockVectors, &[u16], &[BlockVectors]) {

@@ -2,15 +2,17 @@
 //! [`Skin::place`].
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f64x4};
+use fearless_simd::{f32x4, f32x8, f64x4};
 
 use super::blocks::{BLOCK, BlockVectors};
 use super::influence_rows::InfluenceRow;
 use super::{MorphModel, Skin, Weights};
 use crate::joints::{Columns, JointMatrices};
 
-/// Half a block.
-const HALF: usize = BLOCK / 2;
+/// The positions of a block's vertices before joints and placement. The fourth numbers are 0.
+pub(crate) type BlendedBlock = [[f32; 4]; BLOCK];
+/// The world positions of a block's vertices. The fourth numbers are 0.
+pub(crate) type PlacedBlock = [[f64; 4]; BLOCK];
 
 impl MorphModel {
     /// The positions of a block's vertices before joints and placement, by coordinate. Lanes without a vertex repeat the last one.
@@ -27,14 +29,26 @@ impl MorphModel {
                 }
             }
         } else {
+            let all = weights.all();
             for (&target, deltas) in targets.iter().zip(deltas) {
-                let weight = weights.all()[usize::from(target)];
+                let weight = all[usize::from(target)];
                 if weight != 0.0 {
                     add_scaled(simd, &mut positions, weight, deltas);
                 }
             }
         }
         positions
+    }
+
+    /// The same, by vertex.
+    #[inline(always)]
+    pub(crate) fn blend_points<S: Simd>(&self, simd: S, block: usize, weights: &Weights, points: &mut BlendedBlock) {
+        let [x, y, z] = self.blend_block(simd, block, weights);
+        let ((x, x_high), (y, y_high), (z, z_high)) = (x.split(), y.split(), z.split());
+        let (low, high) = points.as_flattened_mut().split_at_mut(2 * BLOCK);
+        let zero = f32x4::splat(simd, 0.0);
+        f32x4::store_four_interleaved([x, y, z, zero], low);
+        f32x4::store_four_interleaved([x_high, y_high, z_high, zero], high);
     }
 }
 
@@ -48,7 +62,7 @@ fn add_scaled<S: Simd>(simd: S, positions: &mut [f32x8<S>; 3], weight: f32, delt
 }
 
 impl Skin {
-    /// The world positions of a block's vertices, given their positions after morphing. The fourth numbers are 0.
+    /// The world positions of a block's vertices, given their positions after morphing.
     #[inline(always)]
     pub(crate) fn place_block<S: Simd>(
         &self,
@@ -56,56 +70,104 @@ impl Skin {
         block: usize,
         positions: [f32x8<S>; 3],
         joints: &JointMatrices,
-        placed: &mut [[f64; 4]; BLOCK],
+        placed: &mut PlacedBlock,
     ) {
         let [x, y, z] = positions;
         let (x, y, z) = (simd.widen_f32x8(x), simd.widen_f32x8(y), simd.widen_f32x8(z));
         let halves = [[x.0, y.0, z.0], [x.1, y.1, z.1]];
-        let mut world = [[f64x4::splat(simd, 0.0); 3]; 2];
-        let rows = self.rows().of_block(block);
-        for axis in 0..3 {
-            let [low, high] = match rows {
-                [row] if row.is_whole => one_matrix(simd, joints.padded(row.joint), axis),
-                _ => sum_of_matrices(simd, rows, joints, axis),
-            };
-            world[0][axis] = image(low, halves[0]);
-            world[1][axis] = image(high, halves[1]);
+        // The usual numbers of joints have code of their own, without inner loops.
+        match self.rows().of_block(block) {
+            [row] if row.is_whole => by_one_matrix(simd, joints.padded(row.joint), halves, placed),
+            [a, b] => by_matrices(simd, [a, b], joints, halves, placed),
+            [a, b, c] => by_matrices(simd, [a, b, c], joints, halves, placed),
+            [a, b, c, d] => by_matrices(simd, [a, b, c, d], joints, halves, placed),
+            rows => by_many_matrices(simd, rows, joints, halves, placed),
         }
-        let (low, high) = placed.split_at_mut(HALF);
-        store(simd, world[0], low);
-        store(simd, world[1], high);
     }
 }
 
-/// The entries of each vertex's matrix along one axis, for both halves of a block.
-type Entries<S> = [[f64x4<S>; 4]; 2];
+/// The coordinates of a block's vertices, for both halves.
+type Halves<S> = [[f64x4<S>; 3]; 2];
 
+/// Places vertices that one joint moves, with weight 1.
 #[inline(always)]
-fn sum_of_matrices<S: Simd>(simd: S, rows: &[InfluenceRow], joints: &JointMatrices, axis: usize) -> Entries<S> {
-    // The definition starts every sum at 0. Unless it does so for the translation, the other entries' zeros may have either sign:
-    // the sum of four terms, of which the last one is not -0, is the same.
-    let mut sums = [[f64x4::splat(simd, 0.0); 4]; 2];
-    for row in rows {
-        let matrix = joints.padded(row.joint);
-        let (low, high) = simd.widen_f32x8(f32x8::from_slice(simd, &row.weights));
+fn by_one_matrix<S: Simd>(simd: S, matrix: &Columns, halves: Halves<S>, placed: &mut PlacedBlock) {
+    let mut world = halves;
+    for axis in 0..3 {
+        let mut entries = [f64x4::splat(simd, 0.0); 4];
         for column in 0..4 {
-            let entry = f64x4::splat(simd, matrix[column][axis]);
-            sums[0][column] += entry * low;
-            sums[1][column] += entry * high;
+            entries[column] = f64x4::splat(simd, matrix[column][axis]);
         }
+        world[0][axis] = image(entries, halves[0]);
+        world[1][axis] = image(entries, halves[1]);
     }
-    sums
+    store(simd, world, placed);
 }
 
-/// The same for a single joint whose weights are 1.
+/// Places vertices that a known number of joints move.
+///
+/// Sums start with the first product instead of 0, except for translations. So the zeros in the rest of the matrix may have another sign
+/// than in the definition, but not their sums with a translation, which is never -0.
 #[inline(always)]
-fn one_matrix<S: Simd>(simd: S, matrix: &Columns, axis: usize) -> Entries<S> {
-    let mut entries = [f64x4::splat(simd, 0.0); 4];
-    for column in 0..4 {
-        // The sum turns -0 into 0, as in the definition.
-        entries[column] = f64x4::splat(simd, matrix[column][axis] + 0.0);
+fn by_matrices<S: Simd, const N: usize>(
+    simd: S,
+    rows: [&InfluenceRow; N],
+    joints: &JointMatrices,
+    halves: Halves<S>,
+    placed: &mut PlacedBlock,
+) {
+    let zero = f64x4::splat(simd, 0.0);
+    let mut world = halves;
+    let (mut low, mut high) = ([zero; N], [zero; N]);
+    for (row, (low, high)) in rows.iter().zip(low.iter_mut().zip(&mut high)) {
+        (*low, *high) = simd.widen_f32x8(f32x8::from_slice(simd, &row.weights));
     }
-    [entries; 2]
+    let matrices = rows.map(|row| joints.padded(row.joint));
+    for axis in 0..3 {
+        let mut entries = [[zero; 4]; 2];
+        for column in 0..4 {
+            for i in 0..N {
+                let entry = f64x4::splat(simd, matrices[i][column][axis]);
+                let products = [entry * low[i], entry * high[i]];
+                if i == 0 && column < 3 {
+                    (entries[0][column], entries[1][column]) = (products[0], products[1]);
+                } else {
+                    entries[0][column] += products[0];
+                    entries[1][column] += products[1];
+                }
+            }
+        }
+        world[0][axis] = image(entries[0], halves[0]);
+        world[1][axis] = image(entries[1], halves[1]);
+    }
+    store(simd, world, placed);
+}
+
+/// Places vertices that any number of joints move.
+#[inline(always)]
+fn by_many_matrices<S: Simd>(
+    simd: S,
+    rows: &[InfluenceRow],
+    joints: &JointMatrices,
+    halves: Halves<S>,
+    placed: &mut PlacedBlock,
+) {
+    let mut world = halves;
+    for axis in 0..3 {
+        let mut entries = [[f64x4::splat(simd, 0.0); 4]; 2];
+        for row in rows {
+            let matrix = joints.padded(row.joint);
+            let (low, high) = simd.widen_f32x8(f32x8::from_slice(simd, &row.weights));
+            for column in 0..4 {
+                let entry = f64x4::splat(simd, matrix[column][axis]);
+                entries[0][column] += entry * low;
+                entries[1][column] += entry * high;
+            }
+        }
+        world[0][axis] = image(entries[0], halves[0]);
+        world[1][axis] = image(entries[1], halves[1]);
+    }
+    store(simd, world, placed);
 }
 
 /// One coordinate of four placed vertices.
@@ -114,14 +176,21 @@ fn image<S: Simd>(entries: [f64x4<S>; 4], [x, y, z]: [f64x4<S>; 3]) -> f64x4<S> 
     ((entries[0] * x + entries[1] * y) + entries[2] * z) + entries[3]
 }
 
-/// Stores the coordinates of four vertices.
 #[inline(always)]
-fn store<S: Simd>(simd: S, [x, y, z]: [f64x4<S>; 3], placed: &mut [[f64; 4]]) {
+fn store<S: Simd>(simd: S, [low, high]: Halves<S>, placed: &mut PlacedBlock) {
+    let [a, b, c, d, e, f, g, h] = placed;
+    store_half(simd, low, [a, b, c, d]);
+    store_half(simd, high, [e, f, g, h]);
+}
+
+#[inline(always)]
+fn store_half<S: Simd>(simd: S, [x, y, z]: [f64x4<S>; 3], placed: [&mut [f64; 4]; BLOCK / 2]) {
     let (xy, z0) = (x.interleave(y), z.interleave(f64x4::splat(simd, 0.0)));
     let ((xy0, xy1), (xy2, xy3)) = (xy.0.split(), xy.1.split());
     let ((z0_0, z0_1), (z0_2, z0_3)) = (z0.0.split(), z0.1.split());
-    xy0.combine(z0_0).store_slice(&mut placed[0]);
-    xy1.combine(z0_1).store_slice(&mut placed[1]);
-    xy2.combine(z0_2).store_slice(&mut placed[2]);
-    xy3.combine(z0_3).store_slice(&mut placed[3]);
+    let [a, b, c, d] = placed;
+    xy0.combine(z0_0).store_slice(a);
+    xy1.combine(z0_1).store_slice(b);
+    xy2.combine(z0_2).store_slice(c);
+    xy3.combine(z0_3).store_slice(d);
 }

@@ -5,8 +5,9 @@ use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::blocks::{BLOCK, block_and_lane};
 use super::skin::Influence;
-use super::{BLOCK, Influences, MorphModel, Weights};
+use super::{BlendedBlock, Influences, MorphModel, PlacedBlock, Weights};
 use crate::bounds::{Kernel, with_simd};
 use crate::joints::JointMatrices;
 
@@ -140,15 +141,13 @@ impl Mesh {
 }
 
 /// The positions of a block before joints, and after.
-type Posed = ([[f32; BLOCK]; 3], [[f64; 4]; BLOCK]);
+type Posed = (BlendedBlock, PlacedBlock);
 
 fn posed(level: Level, model: &MorphModel, block: usize, weights: &Weights, joints: &JointMatrices) -> Posed {
-    let (mut blended, mut placed) = ([[0.0; BLOCK]; 3], [[f64::NAN; 4]; BLOCK]);
+    let (mut blended, mut placed) = ([[f32::NAN; 4]; BLOCK], [[f64::NAN; 4]; BLOCK]);
     with_simd!(level, simd => {
+        model.blend_points(simd, block, weights, &mut blended);
         let positions = model.blend_block(simd, block, weights);
-        for (position, row) in positions.iter().zip(&mut blended) {
-            fearless_simd::SimdBase::store_slice(position, row);
-        }
         model.skin().unwrap().place_block(simd, block, positions, joints, &mut placed);
     });
     (blended, placed)
@@ -191,16 +190,17 @@ fn blocks_have_the_bits_of_the_definition_of_one_vertex() {
         };
         let by_level: Vec<Vec<Posed>> = Kernel::available().iter().map(|kernel| blocks(kernel.level)).collect();
         for (source, &vertex) in model.welded_from_source().iter().enumerate() {
-            let (block, lane) = (vertex as usize / BLOCK, vertex as usize % BLOCK);
+            let (block, lane) = block_and_lane(vertex);
             seen[vertex as usize] = true;
             let blended = mesh.blended(source, &all);
             let placed = mesh.placed(source, blended, &matrices);
             for (of_level, kernel) in by_level.iter().zip(Kernel::available()) {
                 let (of_block, placed_block) = &of_level[block];
                 let about = format!("case {case}, vertex {source}, {}", kernel.name());
+                let [x, y, z] = blended;
                 assert_eq!(
-                    of_block.map(|row| row[lane].to_bits()),
-                    blended.map(f32::to_bits),
+                    of_block[lane].map(f32::to_bits),
+                    [x, y, z, 0.0].map(f32::to_bits),
                     "{about}"
                 );
                 assert_eq!(

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 
 use super::cache::EpochCache;
 use super::placed_body::PlacedBody;
@@ -14,7 +14,7 @@ use super::weights::WeightsError;
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
 use crate::input_error::InputError;
 use crate::joints::JointMatrices;
-use crate::model::Weights;
+use crate::model::{BlendedBlock, Weights};
 use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
@@ -22,7 +22,7 @@ use crate::tree::MorphBvh;
 /// Setting new weights costs a comparison and a copy; boxes are blended when a query first looks at their node. Setting the same
 /// weights again keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
 ///
-/// Memory: 8 bytes per inner node and per vertex, plus the boxes and vertices that were visited. For a skinned mesh, vertices take no
+/// Memory: 8 bytes per inner node and per eight vertices, plus the boxes and vertices that were visited. For a skinned mesh, vertices take no
 /// memory until the first one is posed, and then about 48 bytes each.
 ///
 /// ```
@@ -44,7 +44,7 @@ pub struct Pose {
     /// Whether [`Pose::refit`] made the cached boxes.
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
-    vertices: EpochCache<Vec3A>,
+    blocks: EpochCache<BlendedBlock>,
     /// For a skinned mesh: the map from the space of its boxes to world space, and the state of its joints.
     pub(super) skinning: Option<(WorldFromModel, Skinning)>,
     placed_body: PlacedBody,
@@ -65,10 +65,10 @@ impl Pose {
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
             // `Skinning` caches the vertices of a skinned mesh.
-            vertices: EpochCache::new(if skinning.is_some() {
+            blocks: EpochCache::new(if skinning.is_some() {
                 0
             } else {
-                bvh.model().vertex_count()
+                bvh.model().block_count()
             }),
             placed_body: PlacedBody::default(),
             blended: Blended::default(),
@@ -115,7 +115,7 @@ impl Pose {
     fn invalidate(&mut self, weights_changed: bool) {
         self.boxes.next_epoch();
         if weights_changed {
-            self.vertices.next_epoch();
+            self.blocks.next_epoch();
         }
         self.placed_body.invalidate();
         self.is_refitted = false;
@@ -266,7 +266,7 @@ impl Pose {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let skinning = self.skinning.as_ref().map_or(0, |(_, skinning)| skinning.bytes());
-        self.weights.bytes() + self.boxes.bytes() + self.vertices.bytes() + skinning
+        self.weights.bytes() + self.boxes.bytes() + self.blocks.bytes() + skinning
     }
 
     /// The pose in model space.
@@ -288,7 +288,7 @@ impl Pose {
             leaf_lanes: self.bvh.leaf_lanes.as_deref(),
             weights: &self.weights,
             boxes: &mut self.boxes,
-            vertices: &mut self.vertices,
+            blocks: &mut self.blocks,
             placed_body: &mut self.placed_body,
             blended: &mut self.blended,
             buffers: &mut self.buffers,

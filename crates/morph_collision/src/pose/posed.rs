@@ -1,7 +1,7 @@
 //! A pose, borrowed for a query, with its tree.
 
 use fearless_simd::{Level, Simd};
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::blend::{blend_group, blend_patch};
 use super::cache::EpochCache;
@@ -10,7 +10,7 @@ use super::placed_body::PlacedBody;
 use super::skinning::Skinning;
 use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
 use crate::exact::Triangle;
-use crate::model::{MorphModel, Weights};
+use crate::model::{BlendedBlock, MorphModel, Weights, block_and_lane};
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, NodeId, SkinTables, Tables, Topology, gather};
 
 /// The numbers of boxes and vertices that a pose has blended since it was created.
@@ -42,7 +42,8 @@ pub(crate) struct Posed<'a> {
     pub(super) leaf_lanes: Option<&'a LeafLanes>,
     pub(super) weights: &'a Weights,
     pub(super) boxes: &'a mut EpochCache<BoxLanes>,
-    pub(super) vertices: &'a mut EpochCache<Vec3A>,
+    /// The blocks of vertices of a mesh without joints.
+    pub(super) blocks: &'a mut EpochCache<BlendedBlock>,
     pub(super) placed_body: &'a mut PlacedBody,
     pub(super) blended: &'a mut Blended,
     pub(super) buffers: &'a mut BlendBuffers,
@@ -113,21 +114,30 @@ impl Posed<'_> {
         }
     }
 
-    /// The position of a welded vertex before joints and placement. Blends it unless it is cached.
+    /// The position of a welded vertex before joints and placement. Blends its block unless it is cached.
     #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3A {
-        match self.vertices.find(vertex as usize) {
-            Some(slot) => *self.vertices.get(slot),
-            None => self.blend_vertex(vertex),
+        let (block, lane) = block_and_lane(vertex);
+        let slot = self.open_block(block);
+        Vec3A::from_vec4(Vec4::from(self.blocks.get(slot)[lane]))
+    }
+
+    /// Returns the slot of a block's vertices; blends them unless they are cached.
+    #[inline(always)]
+    fn open_block(&mut self, block: usize) -> usize {
+        match self.blocks.find(block) {
+            Some(slot) => slot,
+            None => self.blend_block(block),
         }
     }
 
     #[inline(never)]
-    fn blend_vertex(&mut self, vertex: u32) -> Vec3A {
-        self.blended.vertices += 1;
-        let position = self.model.blend_vertex(vertex, self.weights);
-        self.vertices.insert(vertex as usize, position);
-        position
+    fn blend_block(&mut self, block: usize) -> usize {
+        self.blended.vertices += self.model.block_len(block) as u64;
+        let slot = self.blocks.claim(block);
+        let (model, weights, points) = (self.model, self.weights, self.blocks.get_mut(slot));
+        with_simd!(self.level, simd => model.blend_points(simd, block, weights, points));
+        slot
     }
 
     /// The position of a welded vertex in model space; for a skinned mesh, in world space, rounded to `f32`.
@@ -184,8 +194,14 @@ impl Posed<'_> {
         let mesh = self.topology.leaf_mesh(leaf);
         let mut points = std::mem::take(&mut self.buffers.points);
         points.clear();
+        // Vertices ascend, so those of a block follow each other.
+        let (mut open, mut slot) = (usize::MAX, 0);
         for &vertex in mesh.vertices {
-            points.push(self.vertex(vertex).extend(0.0).to_array());
+            let (block, lane) = block_and_lane(vertex);
+            if block != open {
+                (open, slot) = (block, self.open_block(block));
+            }
+            points.push(self.blocks.get(slot)[lane]);
         }
         let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
         gather(simd, triangles, &points, corners);

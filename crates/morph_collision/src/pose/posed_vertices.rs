@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::skin_tree::SkinTree;
 use crate::bounds::with_simd;
 use crate::joints::JointMatrices;
-use crate::model::BLOCK;
+use crate::model::{BLOCK, PlacedBlock};
 
 /// Posed vertices, in blocks of eight. The memory is reserved when the first one is posed.
 #[derive(Clone, Debug, Default)]
@@ -17,7 +17,7 @@ pub(super) struct PosedVertices {
     stamps: Vec<u32>,
     chunks: Vec<u32>,
     /// World positions. The fourth number is padding.
-    world: Vec<[[f64; 4]; BLOCK]>,
+    world: Vec<PlacedBlock>,
     /// The same relative to the origin of the body's frame, rounded to the nearest `f32`.
     local: Vec<[[f32; 4]; BLOCK]>,
 }
@@ -71,7 +71,7 @@ impl PosedVertices {
         block: usize,
     ) -> u64 {
         if self.stamps.is_empty() {
-            self.reserve(tree.model.vertex_count(), tree.skin.chunks.len());
+            self.reserve(tree.model.block_count(), tree.skin.chunks.len());
         }
         if self.stamps[block] == self.epoch {
             return 0;
@@ -88,13 +88,11 @@ impl PosedVertices {
             let (a, b) = (f64x4::from_slice(simd, a) - origin, f64x4::from_slice(simd, b) - origin);
             a.narrow(b).store_slice(pair);
         }
-        let end = tree.model.vertex_count().min((block + 1) * BLOCK);
-        (end - block * BLOCK) as u64
+        tree.model.block_len(block) as u64
     }
 
     #[cold]
-    fn reserve(&mut self, vertices: usize, chunks: usize) {
-        let blocks = vertices.div_ceil(BLOCK);
+    fn reserve(&mut self, blocks: usize, chunks: usize) {
         let invalid = self.epoch.wrapping_sub(1);
         self.stamps = vec![invalid; blocks];
         self.chunks = vec![invalid; chunks];

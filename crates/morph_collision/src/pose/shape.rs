@@ -8,7 +8,7 @@ use crate::bounds::{Aabb, Extent, WorldFromModel};
 impl Pose {
     /// Returns the smallest `f32` box in world space around the posed triangles as [`WorldFromModel::transform_point`] places them.
     ///
-    /// It is infinite if a coordinate exceeds the range of `f32`. Cost: every vertex is blended unless it is cached;
+    /// It is infinite if a coordinate exceeds the range of `f32`. Cost: every vertex is posed unless it is cached;
     /// [`Pose::world_bounds`] is far cheaper.
     pub fn tight_world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut extent = Extent::EMPTY;
@@ -34,7 +34,7 @@ impl Pose {
     ///
     /// A normal is the mean of the normals of the vertex's triangles, weighted by area. It is zero if the weighted normals cancel, or
     /// if none of the triangles has an area. Welded vertices share their normal, so there are no seams.
-    /// [`WorldFromModel::transform_normal`] takes a normal to world space. Cost: every vertex is blended, plus one pass over the
+    /// [`WorldFromModel::transform_normal`] takes a normal to world space. Cost: every vertex is posed, plus one pass over the
     /// triangles.
     pub fn source_normals(&mut self, normals: &mut Vec<Vec3>) {
         let bvh = self.bvh().clone();

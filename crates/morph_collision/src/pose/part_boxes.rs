@@ -42,7 +42,8 @@ impl PartBoxes {
         }
         self.is_current = true;
         self.reach = 0.0;
-        self.blocks.reserve_exact(tables.size_hint().0.saturating_sub(self.blocks.len()));
+        self.blocks
+            .reserve_exact(tables.size_hint().0.saturating_sub(self.blocks.len()));
         for (index, tables) in tables.enumerate() {
             let is_new = index == self.blocks.len();
             if is_new {

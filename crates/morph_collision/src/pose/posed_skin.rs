@@ -47,6 +47,8 @@ impl<'a> Posed<'a> {
         let Some((_, skinning)) = &mut self.skin else { return };
         self.blended.vertices += skinning.pose_chunk(tree, chunk);
         let groups = tree.skin.chunks.chunk(chunk).groups();
+        let boxes = groups.clone().map(|group| self.topology.group(group).children().len());
+        self.blended.volumes += boxes.sum::<usize>() as u64;
         let widening = skinning.widening();
         if widening.is_finite() {
             let (vertices, fitted) = (skinning.vertices.local(), &mut self.buffers.fitted);

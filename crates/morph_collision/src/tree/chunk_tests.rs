@@ -92,7 +92,14 @@ fn check(bvh: &MorphBvh) -> [usize; 2] {
         let children = skin.outer.group(index).children().count();
         // The box of a root whose children have outer boxes is their hull.
         let is_hull = group == 0 && outer.len() > 1;
-        assert_eq!(children, if is_hull { 0 } else { topology.group(group).children().len() });
+        assert_eq!(
+            children,
+            if is_hull {
+                0
+            } else {
+                topology.group(group).children().len()
+            }
+        );
     }
     [count, leaf_chunks]
 }
@@ -141,7 +148,10 @@ fn every_node_is_in_one_chunk_or_above_them() {
             let bvh = MorphBvh::build(skinned(mesh), &options);
             let [count, leaf_chunks] = check(&bvh);
             let triangles = mesh.triangles.len();
-            assert!(count >= triangles.div_ceil(MAX_TRIANGLES.max(leaf_size)), "{count} for {triangles}");
+            assert!(
+                count >= triangles.div_ceil(MAX_TRIANGLES.max(leaf_size)),
+                "{count} for {triangles}"
+            );
             assert_eq!(count == 1, triangles <= MAX_TRIANGLES.max(leaf_size));
             println!(
                 "{} with {leaf_size}: {count} chunks, {leaf_chunks} are leaves",

@@ -85,11 +85,14 @@ impl Posed<'_> {
         if self.skin.is_some() {
             return self.open_skinned(group);
         }
+        with_simd!(self.level, simd => self.blend_boxes(simd, group))
+    }
+
+    #[inline(always)]
+    fn blend_boxes<S: Simd>(&mut self, simd: S, group: usize) -> usize {
         self.blended.volumes += self.topology.group(group).children().len() as u64;
-        let tables = self.tables.group(group);
-        let slot = self.boxes.insert(group, BoxLanes::default());
-        let boxes = self.boxes.get_mut(slot);
-        with_simd!(self.level, simd => blend_group(simd, tables, self.weights, boxes));
+        let slot = self.boxes.claim(group);
+        blend_group(simd, self.tables.group(group), self.weights, self.boxes.get_mut(slot));
         slot
     }
 

@@ -57,6 +57,11 @@ impl<'q, 'p> Side<'q, 'p> {
 
     #[inline(never)]
     fn place(&mut self, leaf: Leaf, patches: Range<usize>) -> usize {
+        with_simd!(self.tree.level, simd => self.place_patches(simd, leaf, patches))
+    }
+
+    #[inline(always)]
+    fn place_patches<S: Simd>(&mut self, simd: S, leaf: Leaf, patches: Range<usize>) -> usize {
         let Patches {
             placed,
             placement,
@@ -69,18 +74,16 @@ impl<'q, 'p> Side<'q, 'p> {
             let patch = placed.get_mut(slot);
             let first = triangles.start + index * LANES;
             patch.first = first as u32;
-            with_simd!(self.tree.level, simd => {
-                if self.tree.is_skinned() {
-                    let mesh = self.tree.topology.leaf_mesh(leaf);
-                    let triangles = mesh.corners.chunks(LANES).nth(index).unwrap_or_default();
-                    placement.place_points(simd, self.tree.leaf_positions(leaf), points);
-                    gather(simd, triangles, points, &mut patch.corners);
-                } else {
-                    self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
-                    placement.place(simd, &mut patch.corners);
-                }
-                patch.measure(simd, triangles.end - first);
-            });
+            if self.tree.is_skinned() {
+                let mesh = self.tree.topology.leaf_mesh(leaf);
+                let triangles = mesh.corners.chunks(LANES).nth(index).unwrap_or_default();
+                placement.place_points(simd, self.tree.leaf_positions(leaf), points);
+                gather(simd, triangles, points, &mut patch.corners);
+            } else {
+                self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
+                placement.place(simd, &mut patch.corners);
+            }
+            patch.measure(simd, triangles.end - first);
         }
         slot + 1 - triangles.len().div_ceil(LANES).max(1)
     }

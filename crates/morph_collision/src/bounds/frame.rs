@@ -4,10 +4,13 @@
 //! All maps are computed in `f64` with a bound on their error. [`BoxMap`](super::BoxMap) rounds them to `f32` and adds a slack for its own
 //! roundings. `docs/numerics.md` derives both bounds.
 
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
 
-use super::WorldFromModel;
+use super::kernel::with_simd;
 use super::rounding::U64;
+use super::{Kernel, WorldFromModel};
 
 /// An affine map from a body's model space.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,55 +30,103 @@ impl Frame {
     }
 }
 
-/// A frame for the boxes of two bodies: the map of each body into it, or `None` if the frame is that body's own space.
-pub(super) type Frames = [Option<Frame>; 2];
+/// A [`Frame`] in registers. The fourth lane is padding.
+#[derive(Clone, Copy)]
+pub(crate) struct FrameLanes<S: Simd> {
+    /// The columns of the linear part.
+    pub(super) axes: [f64x4<S>; 3],
+    pub(super) translation: f64x4<S>,
+    pub(super) magnitude: f64x4<S>,
+    pub(super) error: f64x4<S>,
+}
 
-/// Calls `visit` with the frames in which boxes of two placed bodies are compared, until it returns false.
-///
-/// The frames are the two bodies' own spaces (SAT-lite), or only A's if both have the same axes. World space is added if neither body's map has an accurate inverse,
-/// which happens if both are much flatter or thinner in the world than in their own space. `visit` gets the map of each body into
-/// the frame, `None` if it is that body's own space. Each frame is computed just before it is visited.
-#[inline]
-pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl FnMut([Option<&Frame>; 2]) -> bool) {
-    let mut any_sharp = false;
-    let mut frame = Frame::default();
-    if relative(a, b, &mut frame) {
-        any_sharp |= is_sharp(&frame, a);
-        // B's space would have the same axes.
-        let is_enough = any_sharp && is_diagonal(&frame.linear);
-        if !visit([None, Some(&frame)]) || is_enough {
-            return;
+impl<S: Simd> FrameLanes<S> {
+    #[inline(always)]
+    pub(crate) fn load(simd: S, frame: &Frame) -> Self {
+        let DMat3 { x_axis, y_axis, z_axis } = frame.linear;
+        Self {
+            axes: [lanes(simd, x_axis), lanes(simd, y_axis), lanes(simd, z_axis)],
+            translation: lanes(simd, frame.translation),
+            magnitude: lanes(simd, frame.magnitude),
+            error: lanes(simd, frame.error),
         }
     }
-    if relative(b, a, &mut frame) {
-        any_sharp |= is_sharp(&frame, b);
-        if !visit([Some(&frame), None]) {
-            return;
+
+    #[inline(always)]
+    pub(crate) fn store(&self) -> Frame {
+        let [x, y, z] = self.axes;
+        Frame {
+            linear: DMat3::from_cols(vector(x), vector(y), vector(z)),
+            translation: vector(self.translation),
+            magnitude: vector(self.magnitude),
+            error: vector(self.error),
         }
-    }
-    if !any_sharp {
-        visit(frames_in_turned_world(a, b).each_ref().map(Option::as_ref));
     }
 }
 
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, v: DVec3) -> f64x4<S> {
+    f64x4::from_slice(simd, &[v.x, v.y, v.z, 0.0])
+}
+
+#[inline(always)]
+fn vector<S: Simd>(lanes: f64x4<S>) -> DVec3 {
+    let mut numbers = [0.0; 4];
+    lanes.store_slice(&mut numbers);
+    let [x, y, z, _] = numbers;
+    DVec3::new(x, y, z)
+}
+
+/// A frame for the boxes of two bodies: the map of each body into it, or `None` if the frame is that body's own space.
+pub(super) type Frames = [Option<Frame>; 2];
+
+/// The frames in which boxes of two placed bodies are compared: the two bodies' own spaces (SAT-lite), or
+/// only A's if both have the same axes. World space is added if neither
+/// body's map has an accurate inverse, which happens if both are much flatter or thinner in the world than in their own space.
+///
+/// Calls `visit` with each frame, as soon as it is computed, until it returns false: with the map of each body into the frame, `None` if
+/// it is that body's own space.
+#[inline(always)]
+pub(crate) fn visit_frames<S: Simd>(
+    simd: S,
+    a: &PlacedBounds,
+    b: &PlacedBounds,
+    mut visit: impl FnMut([Option<&FrameLanes<S>>; 2]) -> bool,
+) {
+    let of_b = relative_lanes(simd, &a.world_from_model, a.error, b);
+    if let Some(of_b) = &of_b {
+        // B's space would have the same axes.
+        let is_enough = is_diagonal(of_b) && is_sharp(of_b, a);
+        if !visit([None, Some(of_b)]) || is_enough {
+            return;
+        }
+    }
+    let of_a = relative_lanes(simd, &b.world_from_model, b.error, a);
+    if let Some(of_a) = &of_a
+        && !visit([Some(of_a), None])
+    {
+        return;
+    }
+    if of_b.is_some_and(|frame| is_sharp(&frame, a)) || of_a.is_some_and(|frame| is_sharp(&frame, b)) {
+        return;
+    }
+    let in_world = frames_in_turned_world(a, b).map(|frame| frame.map(|frame| FrameLanes::load(simd, &frame)));
+    visit(in_world.each_ref().map(Option::as_ref));
+}
+
 /// Whether a map keeps the directions of the axes.
-#[inline]
-fn is_diagonal(
-    DMat3 {
-        x_axis: x,
-        y_axis: y,
-        z_axis: z,
-    }: &DMat3,
-) -> bool {
+#[inline(always)]
+fn is_diagonal<S: Simd>(frame: &FrameLanes<S>) -> bool {
+    let [x, y, z] = frame.axes.map(vector);
     [x.y, x.z, y.x, y.z, z.x, z.y] == [0.0; 6]
 }
 
 /// Whether the error of a map to a body's own space is small compared with that body.
-#[inline]
-fn is_sharp(frame: &Frame, target: &PlacedBounds) -> bool {
+#[inline(always)]
+fn is_sharp<S: Simd>(frame: &FrameLanes<S>, target: &PlacedBounds) -> bool {
     // Not measured; it only affects how often the third frame is computed.
     const SMALL: f64 = 1e-3;
-    frame.error.max_element() <= SMALL * target.magnitude.max_element()
+    vector(frame.error).max_element() <= SMALL * target.magnitude.max_element()
 }
 
 /// The data of a placed body from which maps between bodies are computed.
@@ -180,7 +231,6 @@ pub(super) fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitu
 }
 
 /// Sets `frame` to the map from the source's space to the target's; returns false if the target's map has no safe inverse.
-#[inline]
 pub(super) fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut Frame) -> bool {
     relative_to(&target.world_from_model, target.error, source, frame)
 }
@@ -188,16 +238,44 @@ pub(super) fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut
 /// Sets `frame` to the map from the source's space to the model space of `to`; returns false if that has no safe inverse.
 #[inline]
 pub(super) fn relative_to(to: &WorldFromModel, error: f64, source: &PlacedBounds, frame: &mut Frame) -> bool {
-    let Some(inverse) = to.inverse() else {
-        return false;
-    };
+    let level = Kernel::default().level;
+    let relative = with_simd!(level, simd => relative_lanes(simd, to, error, source).map(|frame| frame.store()));
+    if let Some(relative) = relative {
+        *frame = relative;
+    }
+    relative.is_some()
+}
+
+/// The map from the source's space to the model space of `to`; `None` if that has no safe inverse.
+#[inline(always)]
+fn relative_lanes<S: Simd>(simd: S, to: &WorldFromModel, error: f64, source: &PlacedBounds) -> Option<FrameLanes<S>> {
+    let inverse = to.inverse()?;
     let from = &source.world_from_model;
-    let offset = from.translation() - to.translation();
+    let offset = lanes(simd, from.translation()) - lanes(simd, to.translation());
     let world_error = error + source.error;
-    let reach = (source.spread + offset.abs()).max_element();
-    frame.linear = inverse.linear * from.linear();
-    frame.translation = inverse.linear * offset;
-    frame.magnitude = source.magnitude;
-    frame.error = inverse.rows * (world_error + 16.0 * U64 * reach) + inverse.error * (world_error + reach);
-    true
+    let reach = vector(lanes(simd, source.spread) + offset.abs()).max_element();
+    let columns = [inverse.linear.x_axis, inverse.linear.y_axis, inverse.linear.z_axis];
+    let columns = [
+        lanes(simd, columns[0]),
+        lanes(simd, columns[1]),
+        lanes(simd, columns[2]),
+    ];
+    let DMat3 { x_axis, y_axis, z_axis } = from.linear();
+    Some(FrameLanes {
+        axes: [
+            product(simd, columns, x_axis),
+            product(simd, columns, y_axis),
+            product(simd, columns, z_axis),
+        ],
+        translation: product(simd, columns, vector(offset)),
+        magnitude: lanes(simd, source.magnitude),
+        error: lanes(simd, inverse.rows) * f64x4::splat(simd, world_error + 16.0 * U64 * reach)
+            + f64x4::splat(simd, inverse.error * (world_error + reach)),
+    })
+}
+
+/// A matrix, by its columns, times a vector.
+#[inline(always)]
+fn product<S: Simd>(simd: S, [x, y, z]: [f64x4<S>; 3], v: DVec3) -> f64x4<S> {
+    (x * f64x4::splat(simd, v.x) + y * f64x4::splat(simd, v.y)) + z * f64x4::splat(simd, v.z)
 }

@@ -25,7 +25,7 @@ pub use aabb::Aabb;
 pub(crate) use box_lanes::{BoxLanes, Corners};
 pub(crate) use box_map::{BoxMap, map_into, world_map};
 pub(crate) use extent::Extent;
-pub(crate) use frame::{Frame, PlacedBounds, visit_frames};
+pub(crate) use frame::{Frame, FrameLanes, PlacedBounds, visit_frames};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use intervals::{Intervals, intervals_len, push_intervals};
 pub use kernel::Kernel;

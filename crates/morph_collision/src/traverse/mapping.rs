@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, LANES};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, FrameLanes, LANES};
 
 /// How a body's boxes are mapped to a frame.
 #[derive(Clone, Debug, Default)]
@@ -24,11 +24,20 @@ enum Kind {
 
 impl Mapping {
     /// Replaces the map; `None` if the frame is the body's own space.
-    #[inline]
     pub(super) fn set(&mut self, frame: Option<&Frame>) {
         self.kind = match frame {
             None => Kind::Own,
             Some(frame) if self.map.set(frame) => Kind::Mapped,
+            Some(_) => Kind::Unbounded,
+        };
+    }
+
+    /// [`Mapping::set`] for a frame in registers.
+    #[inline(always)]
+    pub(super) fn set_lanes<S: Simd>(&mut self, simd: S, frame: Option<&FrameLanes<S>>) {
+        self.kind = match frame {
+            None => Kind::Own,
+            Some(frame) if self.map.set_lanes(simd, frame) => Kind::Mapped,
             Some(_) => Kind::Unbounded,
         };
     }
@@ -38,7 +47,7 @@ impl Mapping {
         self.kind = Kind::Unbounded;
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn one(&self, one: &Aabb) -> Aabb {
         match self.kind {
             Kind::Own => *one,

@@ -10,7 +10,7 @@ use super::collapsed::CollapsedMotion;
 use super::leaves::{AtTriangles, MovingLeaves, Observer, Side, triangles_of_both, triangles_of_one};
 use super::limit::{Limit, LimitReached};
 use super::triangle::MovingTriangle;
-use crate::pose::Posed;
+use crate::pose::{BoxTree, Posed};
 use crate::query::QueryStats;
 use crate::query::two_bodies::PlacedPair;
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
@@ -51,7 +51,7 @@ impl MotionWalk {
         let (_, drift) = drift(&mut ends_a);
         let moving_a = Moving::new(ends_a, drift, boxes_a, false);
         let moving_b = Moving::new(ends_b, drift, boxes_b, false);
-        placements(&moving_a, &moving_b).begin_walk(&mut self.walk)
+        placements(&moving_a, &moving_b).begin_walk(&mut self.walk, moving_a.level())
     }
 
     /// Calls `at_triangles` for pairs of triangles that may touch, until it breaks. Sets `stats` to the work.
@@ -95,7 +95,7 @@ impl MotionWalk {
             limit.check(stats)
         };
         let mut not_before = 0.0;
-        if !placements(&a, &b).begin_walk(walk) {
+        if !placements(&a, &b).begin_walk(walk, a.level()) {
             stats.node_tests = 1;
         } else if !matches!(search, Search::All) && are_collapsed(&a, &b) {
             let left = collapsed.run([&mut a, &mut b], latest, &limit, stats, &mut within_limit);

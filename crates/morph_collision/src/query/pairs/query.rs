@@ -38,6 +38,8 @@ use crate::tree::{Leaf, NodeId};
 pub struct PairQuery {
     walk: OverlapWalk,
     patches: [Patches; 2],
+    /// Whether `patches` are those of the bodies of the current walk.
+    are_patches_current: bool,
     collapsed: Collapsed,
     stats: QueryStats,
 }
@@ -127,9 +129,7 @@ impl PairQuery {
 
     /// Whether the bodies are too small for culling. Queries then do not walk the trees.
     pub(in crate::query) fn are_collapsed(&self, mut a: Body<'_>, mut b: Body<'_>) -> bool {
-        let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
-        let (a, b) = (posed_a.placed_body(), posed_b.placed_body());
-        PlacedPair { a, b }.are_collapsed()
+        PlacedPair::of(&mut a.posed(), &mut b.posed()).are_collapsed()
     }
 
     /// Expands the roots, level by level, into at least `least` node pairs (fewer if there are not that many), in the order of
@@ -163,29 +163,30 @@ impl PairQuery {
         let Self {
             walk,
             patches: [patches_a, patches_b],
+            are_patches_current,
             collapsed,
             stats,
         } = self;
         *stats = QueryStats::default();
         let tests_before = walk.node_tests;
         let mut stopped_at = None;
-        let pair = PlacedPair {
-            a: a.placed_body(),
-            b: b.placed_body(),
-        };
-        let roots_overlap = resumes || pair.begin_walk(walk);
+        let level = a.level;
+        let pair = PlacedPair::of(a, b);
+        let roots_overlap = resumes || pair.begin_walk(walk, level);
         if !roots_overlap {
             stats.node_tests = 1;
         } else if matches!(start, Start::Roots | Start::Deepest) && pair.are_collapsed() {
             collapsed.fill(a, b);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            if !resumes {
-                let neighbourhood = pair.neighbourhood();
-                patches_a.begin(&neighbourhood, a.world_from_model);
-                patches_b.begin(&neighbourhood, b.world_from_model);
-            }
+            *are_patches_current &= resumes;
             let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, leaves: &[(Leaf, Leaf)]| {
+                if !*are_patches_current {
+                    let neighbourhood = PlacedPair::of(a, b).neighbourhood();
+                    patches_a.begin(&neighbourhood, a.world_from_model);
+                    patches_b.begin(&neighbourhood, b.world_from_model);
+                    *are_patches_current = true;
+                }
                 let mut a = Side::new(a, patches_a);
                 let mut b = Side::new(b, patches_b);
                 let flow = intersecting_pairs(&mut a, &mut b, leaves, stats, visitor);

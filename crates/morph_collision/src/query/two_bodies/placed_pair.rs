@@ -1,8 +1,10 @@
 //! The setup that queries about two bodies share.
 
+use fearless_simd::{Level, Simd};
+
 use super::neighbourhood::Neighbourhood;
-use crate::bounds::visit_frames;
-use crate::pose::PlacedBody;
+use crate::bounds::{FrameLanes, visit_frames, with_simd};
+use crate::pose::{PlacedBody, Posed};
 use crate::traverse::OverlapWalk;
 
 /// The two bodies of a query.
@@ -12,17 +14,35 @@ pub(in crate::query) struct PlacedPair<'a> {
     pub(in crate::query) b: &'a PlacedBody,
 }
 
-impl PlacedPair<'_> {
+impl<'a> PlacedPair<'a> {
+    pub(in crate::query) fn of(a: &'a mut Posed<'_>, b: &'a mut Posed<'_>) -> Self {
+        Self {
+            a: a.placed_body(),
+            b: b.placed_body(),
+        }
+    }
+
     /// Prepares the frames in which nodes are compared; returns whether the roots overlap.
     #[inline]
-    pub(in crate::query) fn begin_walk(&self, walk: &mut OverlapWalk) -> bool {
-        let mut roots_overlap = true;
+    pub(in crate::query) fn begin_walk(&self, walk: &mut OverlapWalk, level: Level) -> bool {
         walk.begin([self.a, self.b], self.a_from_b_scale());
-        visit_frames(&self.a.placed, &self.b.placed, |frames| {
-            // One frame that separates the bodies is enough.
-            roots_overlap = walk.push_frame(frames, &self.a.bounds, &self.b.bounds);
-            roots_overlap
-        });
+        with_simd!(level, simd => self.push_frames(simd, walk))
+    }
+
+    #[inline(always)]
+    fn push_frames<S: Simd>(&self, simd: S, walk: &mut OverlapWalk) -> bool {
+        let mut roots_overlap = true;
+        visit_frames(
+            simd,
+            &self.a.placed,
+            &self.b.placed,
+            #[inline(always)]
+            |frames: [Option<&FrameLanes<S>>; 2]| {
+                // One frame that separates the bodies is enough.
+                roots_overlap = walk.push_frame(simd, frames, &self.a.bounds, &self.b.bounds);
+                roots_overlap
+            },
+        );
         roots_overlap
     }
 

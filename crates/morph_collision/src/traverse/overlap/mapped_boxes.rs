@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::mapped_group::{FRAMES, MappedGroup};
 use super::node::{BoxAt, Node};
-use crate::bounds::{Aabb, Frame, LANES, MovingLanes, with_simd};
+use crate::bounds::{Aabb, FrameLanes, LANES, MovingLanes, with_simd};
 use crate::pose::{BoxTree, EpochCache, PlacedBody};
 use crate::traverse::mapping::Mapping;
 use crate::tree::NodeId;
@@ -33,20 +33,20 @@ impl MappedBoxes {
         let entry = self.groups.get_mut(slot);
         entry.children[0] = of.root;
         (entry.group, entry.mask, entry.len) = (NodeId::ROOT.group, 1, 1);
+        entry.sizes.0[0] = of.bounds.girth() * scale;
         for frame in &mut entry.frames {
             frame.set(0, &Aabb::UNBOUNDED);
         }
     }
 
     /// Adds a frame and returns the root's box in it. If all frames are in use, replaces the last one.
-    pub(super) fn push_frame(&mut self, frame: Option<&Frame>, bounds: &Aabb) -> Aabb {
+    #[inline(always)]
+    pub(super) fn push_frame<S: Simd>(&mut self, simd: S, frame: Option<&FrameLanes<S>>, bounds: &Aabb) -> Aabb {
         let index = self.used.min(FRAMES - 1);
         self.used += 1;
-        self.mappings[index].set(frame);
+        self.mappings[index].set_lanes(simd, frame);
         let mapped = self.mappings[index].one(bounds);
-        let root = self.groups.get_mut(0);
-        root.frames[index].set(0, &mapped);
-        root.sizes.0[0] = bounds.girth() * self.scale;
+        self.groups.get_mut(0).frames[index].set(0, &mapped);
         mapped
     }
 
@@ -67,6 +67,11 @@ impl MappedBoxes {
 
     #[inline(never)]
     fn map_group<T: BoxTree>(&mut self, tree: &mut T, group: usize) -> usize {
+        with_simd!(tree.level(), simd => self.map_children(simd, tree, group))
+    }
+
+    #[inline(always)]
+    fn map_children<S: Simd, T: BoxTree>(&mut self, simd: S, tree: &mut T, group: usize) -> usize {
         let slot = self.groups.claim(group);
         let entry = self.groups.get_mut(slot);
         let children = tree.topology().group(group);
@@ -76,7 +81,7 @@ impl MappedBoxes {
         entry.len = children.children().len() as u8;
         let blended = tree.open(group);
         let mappings = &self.mappings[..self.used.min(FRAMES)];
-        with_simd!(tree.level(), simd => entry.fill(simd, tree.boxes(blended), mappings, self.scale));
+        entry.fill(simd, tree.boxes(blended), mappings, self.scale);
         if T::MOVES {
             self.map_moving(tree, blended, slot);
         }

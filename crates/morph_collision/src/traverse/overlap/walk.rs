@@ -10,7 +10,7 @@ use super::depth_sort::DepthSort;
 use super::mapped_boxes::MappedBoxes;
 use super::node::{BoxAt, Node, NodePair};
 use super::trees::Trees;
-use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
+use crate::bounds::{Aabb, FrameLanes, LANES, lanes_of, with_simd};
 use crate::pose::{BoxTree, PlacedBody};
 use crate::traverse::one_tree::Entry;
 use crate::tree::{ChildKind, Leaf, NodeId};
@@ -96,8 +96,15 @@ impl OverlapWalk {
     }
 
     /// Adds a frame and returns whether the bodies' bounds overlap in it. If all frames are in use, replaces the last one.
-    pub(crate) fn push_frame(&mut self, [of_a, of_b]: [Option<&Frame>; 2], a: &Aabb, b: &Aabb) -> bool {
-        let (a, b) = (self.a.push_frame(of_a, a), self.b.push_frame(of_b, b));
+    #[inline(always)]
+    pub(crate) fn push_frame<S: Simd>(
+        &mut self,
+        simd: S,
+        [of_a, of_b]: [Option<&FrameLanes<S>>; 2],
+        a: &Aabb,
+        b: &Aabb,
+    ) -> bool {
+        let (a, b) = (self.a.push_frame(simd, of_a, a), self.b.push_frame(simd, of_b, b));
         a.overlaps(&b)
     }
 
@@ -209,6 +216,9 @@ impl OverlapWalk {
                     self.leaves.clear();
                 }
             }
+        }
+        if self.leaves.is_empty() {
+            return ControlFlow::Continue(());
         }
         at_leaves(trees.a, trees.b, &self.leaves)
     }

@@ -1,5 +1,8 @@
 //! Batches on any number of threads, compared with one query at a time.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
 use crate::scenes::{self, Scene};
 use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers, Wanted, Workers};
 use morph_collision::{Body, BuildOptions, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel};
@@ -84,18 +87,56 @@ impl Bodies {
     }
 }
 
-fn threads(count: usize) -> ThreadWorkers {
-    ThreadWorkers::new(count)
+/// Workers that run even the smallest batches.
+struct Eager<W>(W);
+
+impl<W: Workers> Workers for Eager<W> {
+    fn count(&self) -> usize {
+        self.0.count()
+    }
+
+    fn run(&self, work: &(dyn Fn(usize) + Sync)) {
+        self.0.run(work);
+    }
+
+    fn wake_up(&self) -> Duration {
+        Duration::ZERO
+    }
+}
+
+fn threads(count: usize) -> Eager<ThreadWorkers> {
+    Eager(ThreadWorkers::new(count))
 }
 
 #[cfg(feature = "rayon")]
 fn rayon() -> Option<&'static dyn Workers> {
-    Some(&morph_collision::batch::RayonWorkers)
+    Some(&Eager(morph_collision::batch::RayonWorkers))
 }
 
 #[cfg(not(feature = "rayon"))]
 fn rayon() -> Option<&'static dyn Workers> {
     None
+}
+
+/// Counts how often other workers are needed.
+struct Counting {
+    runs: AtomicUsize,
+    wake_up: Duration,
+}
+
+impl Workers for Counting {
+    fn count(&self) -> usize {
+        2
+    }
+
+    fn run(&self, work: &(dyn Fn(usize) + Sync)) {
+        self.runs.fetch_add(1, Ordering::Relaxed);
+        (0..2).for_each(work);
+    }
+
+    fn wake_up(&self) -> Duration {
+        self.wake_up
+    }
 }
 
 /// Makes the calls one after the other, as the trait allows.
@@ -108,6 +149,45 @@ impl Workers for OneAfterTheOther {
 
     fn run(&self, work: &(dyn Fn(usize) + Sync)) {
         (0..3).for_each(work);
+    }
+
+    fn wake_up(&self) -> Duration {
+        Duration::ZERO
+    }
+}
+
+#[test]
+fn other_workers_are_woken_up_only_for_batches_that_take_longer() {
+    let (deep, beside) = (scenes::pass_through(200), scenes::pass_through(1));
+    let many = scenes::dolphins(200);
+    // How many of three batches run on other workers, each after one for which nothing was known.
+    let runs = |scene: &Scene, tasks: &[(usize, usize)], wanted, microseconds| {
+        let mut bodies = Bodies::new(scene);
+        let mut tasks: Vec<_> = tasks.iter().map(|&(a, b)| PairTask::new(a, b, wanted)).collect();
+        let expected = bodies.one_by_one(&tasks);
+        let workers = Counting {
+            runs: AtomicUsize::new(0),
+            wake_up: Duration::from_micros(microseconds),
+        };
+        let mut query = BatchQuery::new();
+        for _ in 0..4 {
+            assert_eq!(bodies.batch(&mut query, &mut tasks, &workers), expected);
+        }
+        workers.runs.into_inner()
+    };
+    let one = [(0, 1)];
+    // Two large bodies: the first batch expects much, and the next ones what the first one counted.
+    assert_eq!(runs(&deep, &one, Wanted::All, 0), 4);
+    assert_eq!(runs(&deep, &one, Wanted::All, 10), 4);
+    assert!(runs(&beside, &one, Wanted::All, 5) <= 1, "they are apart");
+    assert_eq!(runs(&deep, &one, Wanted::First, 0), 0, "a single task is not cut");
+    // Many pairs, and many pairs with a common body, which cannot run at the same time.
+    let all: Vec<_> = (0..12).flat_map(|a| (a + 1..12).map(move |b| (a, b))).collect();
+    let star: Vec<_> = (1..12).map(|b| (0, b)).collect();
+    for wanted in [Wanted::All, Wanted::First] {
+        assert_eq!(runs(&many, &all, wanted, 5), 4);
+        assert_eq!(runs(&many, &all, wanted, 1000), 0);
+        assert_eq!(runs(&many, &star, wanted, 0), 0);
     }
 }
 

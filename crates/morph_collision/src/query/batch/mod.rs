@@ -13,8 +13,11 @@
 //! - Parts of a cut pair work on copies of the poses. A worker keeps its copies, and the boxes and patches that its query has cached for
 //!   them, from part to part.
 //!
+//! - If waking up other workers takes longer than they are expected to save, the calling thread does everything (`forecast`).
+//!
 //! So a worker that has a unit waits at most for a lock around copying weights, and no answer depends on the number of threads.
 
+mod forecast;
 mod lock;
 mod plan;
 mod query;

@@ -1,7 +1,9 @@
 //! Splits a batch into units of work that can run independently.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
+use super::forecast::{Forecast, Tally, is_worth};
 use crate::query::{Body, PairMemory, PairQuery, QueryStats};
 use crate::tree::NodeId;
 
@@ -56,7 +58,7 @@ impl PairTask<'_> {
     }
 }
 
-/// Pairs with fewer triangles in both bodies together are not cut. Not measured; small pairs are finished before another thread wakes up.
+/// Pairs with fewer triangles in both bodies together are not cut, even if all workers are awake. Not measured.
 const MIN_TRIANGLES_TO_CUT: usize = 4000;
 /// Parts per worker; several, to balance parts of different cost. Not measured.
 const PARTS_PER_WORKER: usize = 8;
@@ -101,39 +103,81 @@ pub(super) struct Plan {
     pub(super) units: Vec<Unit>,
     pub(super) large_pairs: Vec<Large>,
     pub(super) stats: QueryStats,
+    /// The cut tasks, without their parts.
+    pub(super) tally: Tally,
+    /// Whether other workers are worth waking up.
+    pub(super) is_parallel: bool,
+}
+
+/// The workers of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Team {
+    pub(super) count: usize,
+    pub(super) wake_up: Duration,
 }
 
 impl Plan {
     /// Plans a batch. Cuts large pairs into parts if there are too few tasks to keep the workers busy.
-    pub(super) fn new(bodies: &mut [Body<'_>], tasks: &[PairTask<'_>], workers: usize, query: &mut PairQuery) -> Self {
+    pub(super) fn new(
+        bodies: &mut [Body<'_>],
+        tasks: &[PairTask<'_>],
+        team: Team,
+        forecast: &Forecast,
+        query: &mut PairQuery,
+    ) -> Self {
         let mut plan = Self::default();
+        let workers = team.count as u64;
+        // The expected time of all tasks, and of those that cannot run at the same time because they share a body.
+        let (mut total, mut of_bodies) = (0, vec![0; bodies.len()]);
         for (task, &PairTask { a, b, wanted, .. }) in tasks.iter().enumerate() {
-            let Ok([a, b]) = bodies.get_disjoint_mut([a, b]) else {
+            let Ok([body_a, body_b]) = bodies.get_disjoint_mut([a, b]) else {
                 continue;
             };
-            let triangles = [&*a, &*b].map(|body| body.pose.bvh().model().triangle_count());
-            let cut = workers > 1
-                && tasks.len() < 2 * workers
+            let triangles = [&*body_a, &*body_b].map(|body| body.pose.bvh().model().triangle_count());
+            let triangles = triangles.iter().sum::<usize>();
+            let expected = forecast.task(wanted, triangles);
+            total += expected;
+            let cut = tasks.len() < 2 * team.count
                 && wanted != Wanted::First
-                && triangles.iter().sum::<usize>() >= MIN_TRIANGLES_TO_CUT
-                && !query.are_collapsed(a.reborrow(), b.reborrow());
-            if !cut {
+                && triangles >= MIN_TRIANGLES_TO_CUT
+                && is_worth(expected - expected / workers, team.wake_up)
+                && !query.are_collapsed(body_a.reborrow(), body_b.reborrow());
+            if cut {
+                plan.cut(task, [a, b], [body_a, body_b], wanted, team.count, query);
+            } else {
                 plan.units.push(Unit { task, part: None });
-                continue;
+                of_bodies[a] += expected;
+                of_bodies[b] += expected;
             }
-            let parts = workers * PARTS_PER_WORKER;
-            let front = query.front(a.reborrow(), b.reborrow(), 4 * parts);
-            plan.stats += query.stats();
-            let (large, parts) = (plan.large_pairs.len(), parts.min(front.len()));
-            let parts_of_large = (0..parts).map(|part| Some((large, part)));
-            plan.units.extend(parts_of_large.map(|part| Unit { task, part }));
-            plan.large_pairs.push(Large {
-                bodies: [tasks[task].a, tasks[task].b],
-                front,
-                limit: wanted.limit(),
-                found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),
-            });
         }
+        let busiest = of_bodies.into_iter().max().unwrap_or(0);
+        let saved = total - (total / workers).max(busiest).min(total);
+        plan.is_parallel = plan.units.len() > 1 && is_worth(saved, team.wake_up);
         plan
+    }
+
+    /// Adds the parts of a task.
+    fn cut(
+        &mut self,
+        task: usize,
+        bodies: [usize; 2],
+        [a, b]: [&mut Body<'_>; 2],
+        wanted: Wanted,
+        workers: usize,
+        query: &mut PairQuery,
+    ) {
+        let parts = workers * PARTS_PER_WORKER;
+        let front = query.front(a.reborrow(), b.reborrow(), 4 * parts);
+        self.stats += query.stats();
+        self.tally.add(wanted, true, query.stats());
+        let (large, parts) = (self.large_pairs.len(), parts.min(front.len()));
+        let parts_of_large = (0..parts).map(|part| Some((large, part)));
+        self.units.extend(parts_of_large.map(|part| Unit { task, part }));
+        self.large_pairs.push(Large {
+            bodies,
+            front,
+            limit: wanted.limit(),
+            found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),
+        });
     }
 }

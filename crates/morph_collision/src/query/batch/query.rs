@@ -3,8 +3,9 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::forecast::Forecast;
 use super::lock::{locked, unlocked};
-use super::plan::{PairTask, Plan};
+use super::plan::{PairTask, Plan, Team, Unit};
 use super::work::{Batch, Worker};
 use super::workers::Workers;
 use crate::query::{Body, QueryStats, TrianglePair};
@@ -12,7 +13,8 @@ use crate::query::{Body, QueryStats, TrianglePair};
 /// Finds the intersecting triangles of many pairs of bodies on several threads. Keep the query and use it again: it reuses its memory.
 ///
 /// On any number of threads, it finds the same pairs as [`PairQuery`](crate::PairQuery), in the same order. Pairs without a common body
-/// run in parallel. If there are few pairs, large ones are cut into parts.
+/// run in parallel. If there are few pairs, large ones are cut into parts. A batch runs on the calling thread if the previous ones suggest
+/// that it ends before other threads have started.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -38,13 +40,11 @@ pub struct BatchQuery {
     workers: Vec<Mutex<Worker>>,
     found: Vec<TrianglePair>,
     answers: Vec<Answer>,
+    forecast: Forecast,
 }
 
 /// The answer to a task: its range in the list of all found pairs, and whether there are more.
 type Answer = (Range<usize>, bool);
-
-/// Smaller batches run on the calling thread: waking a thread takes as long as testing a dozen pairs that do not touch (docs/tried.md).
-const MIN_UNITS_FOR_THREADS: usize = 16;
 
 /// The answers of a [`BatchQuery`], indexed by task.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +102,12 @@ impl BatchQuery {
         for worker in &mut self.workers {
             unlocked(worker).begin();
         }
-        let plan = Plan::new(bodies, tasks, count, &mut unlocked(&mut self.workers[0]).query);
+        let team = Team {
+            count,
+            wake_up: workers.wake_up(),
+        };
+        let query = &mut unlocked(&mut self.workers[0]).query;
+        let plan = Plan::new(bodies, tasks, team, &self.forecast, query);
         let batch = Batch::new(bodies, tasks, &plan, count);
         let own = &self.workers;
         let work = |worker: usize| {
@@ -111,10 +116,10 @@ impl BatchQuery {
                 batch.work(&mut locked(worker));
             }
         };
-        if plan.large_pairs.is_empty() && plan.units.len() < MIN_UNITS_FOR_THREADS {
-            work(0);
-        } else {
+        if plan.is_parallel {
             workers.run(&work);
+        } else {
+            work(0);
         }
         self.gather(&plan, tasks)
     }
@@ -122,10 +127,12 @@ impl BatchQuery {
     /// Collects what the workers found in the order of tasks and units, up to each task's limit.
     fn gather(&mut self, plan: &Plan, tasks: &[PairTask<'_>]) -> BatchAnswers<'_> {
         let mut stats = plan.stats;
+        let mut tally = plan.tally;
         let mut all_done = Vec::with_capacity(plan.units.len());
         for (index, worker) in self.workers.iter_mut().enumerate() {
             let worker = unlocked(worker);
             stats += worker.stats;
+            tally.join(&worker.tally);
             all_done.extend(worker.done.drain(..).map(|done| (index, done)));
         }
         all_done.sort_unstable_by_key(|(_, done)| done.unit);
@@ -143,6 +150,11 @@ impl BatchQuery {
             self.found.extend_from_slice(&found[..room.min(found.len())]);
             *is_truncated |= done.is_truncated || found.len() > room;
             range.end = self.found.len();
+        }
+        // How much of a cut task was left out when its limit was reached depends on the threads.
+        let is_cut_short = |unit: &Unit| unit.part.is_some() && self.answers[unit.task].1;
+        if !plan.units.iter().any(is_cut_short) {
+            self.forecast.learn(&tally);
         }
         BatchAnswers {
             found: &self.found,

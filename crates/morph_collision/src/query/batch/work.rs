@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
+use super::forecast::Tally;
 use super::lock::locked;
 use super::plan::{PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
@@ -26,6 +27,7 @@ pub(super) struct Worker {
     pub(super) done: Vec<Done>,
     pub(super) found: Vec<TrianglePair>,
     pub(super) stats: QueryStats,
+    pub(super) tally: Tally,
 }
 
 /// A finished unit.
@@ -95,7 +97,11 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         let [mut a, mut b] = [task.a, task.b].map(|body| locked(&self.bodies[body]));
         worker.large = None;
         let Worker {
-            query, found, stats, ..
+            query,
+            found,
+            stats,
+            tally,
+            ..
         } = worker;
         let (a, b) = (a.reborrow(), b.reborrow());
         let is_truncated = match (task.wanted, &mut task.memory) {
@@ -109,6 +115,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
             (wanted, _) => query.up_to(a, b, wanted.limit(), found),
         };
         *stats += query.stats();
+        tally.add(task.wanted, true, query.stats());
         is_truncated
     }
 
@@ -133,6 +140,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         worker.query.run(a, b, start, &mut |pair| listed.push(pair));
         let is_truncated = listed.is_truncated;
         worker.stats += worker.query.stats();
+        worker.tally.add(Wanted::All, false, worker.query.stats());
         let found = worker.found.len() - before + usize::from(is_truncated);
         large.found[part].store(found, Ordering::Relaxed);
         is_truncated
@@ -146,5 +154,6 @@ impl Worker {
         self.done.clear();
         self.found.clear();
         self.stats = QueryStats::default();
+        self.tally = Tally::default();
     }
 }

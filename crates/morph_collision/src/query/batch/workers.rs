@@ -1,6 +1,7 @@
 //! The threads of a batch.
 
 use std::thread;
+use std::time::Duration;
 
 /// The threads of a [`BatchQuery`](super::BatchQuery). Implement it to run batches on your engine's threads.
 pub trait Workers {
@@ -10,10 +11,18 @@ pub trait Workers {
     /// Calls `work` once with each index below [`Workers::count`], in parallel if possible, and waits for all calls to return.
     /// The calls may also run one after the other: each does whatever work is left.
     fn run(&self, work: &(dyn Fn(usize) + Sync));
+
+    /// About how long it takes until another worker has started, and until the calling thread knows that all have ended.
+    ///
+    /// A batch that would save less by running on several threads runs on the calling thread, without a call of [`Workers::run`]. The
+    /// default, 10 microseconds, is for threads that exist already.
+    fn wake_up(&self) -> Duration {
+        Duration::from_micros(10)
+    }
 }
 
-/// Runs a batch on the calling thread and on new threads. Starting them costs some tens of microseconds per batch, so prefer your
-/// engine's thread pool.
+/// Runs a batch on the calling thread and on new threads. Starting them costs up to a hundred microseconds per batch, so prefer
+/// your engine's thread pool.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadWorkers {
     threads: usize,
@@ -41,6 +50,10 @@ impl Workers for ThreadWorkers {
             }
             work(0);
         });
+    }
+
+    fn wake_up(&self) -> Duration {
+        Duration::from_micros(100)
     }
 }
 

@@ -192,8 +192,8 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             cut into parts; with many bodies, pairs that share no body run at the same time. *Copies* are as many independent runs on one thread each, at\n\
             the same time: the most that sharing the work can reach on this machine.\n\
             \n\
-            `ThreadWorkers` starts its threads anew in each frame, so small frames gain least. Use the engine's threads (`Workers`) instead. Weights, bounds,\n\
-            the broad phase and collecting answers run on one thread.\n",
+            `ThreadWorkers` starts its threads anew in each batch, so small batches run on one thread. Use the engine's threads (`Workers`) instead. Weights,\n\
+            bounds, the broad phase and collecting answers run on one thread.\n",
         body: format!("{plot}\n{table}"),
         ..Page::default()
     };

@@ -104,6 +104,14 @@ pub(crate) fn check_point(what: &str, point: DVec3) -> Result<(), InputError> {
     check_vector(what, point, LARGEST)
 }
 
+/// Checks that all coordinates of all points are finite and at most 1e50. The error names the index of the first bad point.
+pub(crate) fn check_points(points: &[DVec3]) -> Result<(), InputError> {
+    match points.iter().position(|point| check_point("", *point).is_err()) {
+        Some(index) => check_point(&format!("point {index}"), points[index]),
+        None => Ok(()),
+    }
+}
+
 /// Checks that all coordinates are finite and at most `limit`.
 pub(crate) fn check_vector(what: &str, vector: DVec3, limit: f64) -> Result<(), InputError> {
     let is_bad = |value: &f64| value.is_nan() || value.abs() > limit;

@@ -13,7 +13,8 @@
 //! - A [`Pose`] is one instance: its weights and joints, and a cache of the boxes and vertices computed for them.
 //! - A [`Body`] is a pose and its placement in the world, borrowed for one query.
 //! - A query, such as [`PairQuery`], owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports
-//!   how much work the last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there
+//!   how much work the last call took. Methods that fill a list append to it, except that the
+//!   `_batch` methods replace it: they answer many questions. The `up_to` variants stop at a limit and return whether there
 //!   is more.
 //!
 //! ```text
@@ -33,6 +34,7 @@
 //! | Which triangles of one body come closer to each other than a distance? | [`SelfDistanceQuery`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
+//! | What do thousands of rays hit? Which points are closest to thousands of points? | [`RayQuery::closest_batch`], [`ShapeQuery::closest_point_batch`] |
 //! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
 //! | What does a moving shape touch first? | [`ShapeQuery::cast`]; another shape: [`PlacedShape::cast`] |
 //! | Is a point inside a closed mesh? | [`RayQuery::encloses`] |

@@ -1,6 +1,7 @@
 //! Queries about one posed body, and distances between two, checked against an independent brute-force implementation.
 
 mod anchors;
+mod batches;
 mod bodies;
 mod casts;
 mod containment;

@@ -1,5 +1,6 @@
 //! Rays against one body.
 
+mod batch;
 mod projection;
 mod query;
 

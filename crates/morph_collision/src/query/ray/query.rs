@@ -10,6 +10,7 @@ use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
 use crate::exact::{Crossing, Triangle, closest_on_triangle, ray_meets_triangle};
 use crate::input_error::InputError;
 use crate::query::anchor::SurfaceAnchor;
+use crate::query::batch::OneBodyBatch;
 use crate::query::body::Body;
 use crate::query::input::Ray;
 use crate::query::one_body::OneBody;
@@ -72,11 +73,12 @@ pub struct RayHit {
 /// ```
 #[derive(Debug, Default)]
 pub struct RayQuery {
-    one: OneBody,
+    pub(super) one: OneBody,
     /// Scratch memory.
     points: Vec<[f32; 4]>,
     /// Scratch memory: hits to sort.
     ranked: Vec<(Rank<u32>, RayHit)>,
+    pub(super) batch: OneBodyBatch<Self>,
 }
 
 query_basics!(RayQuery, |query| query.one.stats);

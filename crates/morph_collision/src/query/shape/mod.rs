@@ -4,6 +4,7 @@
 //! inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`, so any direction gives a lower bound
 //! for a node (`bound`). A triangle's signed distance is the minimum over its points.
 
+mod batch;
 mod bound;
 mod cast;
 mod closest;

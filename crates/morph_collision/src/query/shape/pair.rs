@@ -141,7 +141,7 @@ impl PlacedShape {
     }
 
     /// A point inside.
-    fn center(&self) -> DVec3 {
+    pub(super) fn center(&self) -> DVec3 {
         match &self.solid {
             Solid::Round { axis: [p, q], .. } => p.midpoint(*q),
             Solid::Cuboid(cuboid) => cuboid.center(),

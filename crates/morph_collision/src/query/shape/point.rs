@@ -6,10 +6,11 @@ use glam::DVec3;
 
 use super::ShapeQuery;
 use crate::bounds::{Box64, ByBox, GapFrame, PlacedBounds, WorldFromModel};
-use crate::exact::{TrianglePoint, closest_on_triangle_exactly, largest};
+use crate::exact::{Triangle, TrianglePoint, closest_on_triangle_exactly, largest};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
 use crate::query::anchor::SurfaceAnchor;
+use crate::query::batch::Latest;
 use crate::query::rank::{MARGIN, Rank};
 
 /// The point on a body's surface that is closest to a given point.
@@ -52,12 +53,23 @@ impl ShapeQuery {
     /// ```
     pub fn closest_point(
         &mut self,
-        mut body: Body<'_>,
+        body: Body<'_>,
         point: DVec3,
         max_distance: f64,
     ) -> Result<Option<ClosestPoint>, InputError> {
         check_point("point", point)?;
         check_length("max_distance", max_distance)?;
+        Ok(self.closest_point_from(body, point, max_distance, &mut None))
+    }
+
+    /// The closest point, for valid input. Tests the latest triangle first, because its distance is a limit for all others.
+    pub(super) fn closest_point_from(
+        &mut self,
+        mut body: Body<'_>,
+        point: DVec3,
+        max_distance: f64,
+        latest: &mut Latest,
+    ) -> Option<ClosestPoint> {
         let target = Box64::point(point);
         let world = PlacedBounds::new(&WorldFromModel::IDENTITY, point.abs());
         let frames = GapFrame::list(&body.posed().placed_body().placed, &world);
@@ -67,25 +79,47 @@ impl ShapeQuery {
             Some(largest(targets.iter().map(squared)))
         };
         let mut closest: Option<(Rank<u32>, TrianglePoint)> = None;
-        let mut limit = max_distance * max_distance * MARGIN;
+        let farthest = max_distance * max_distance * MARGIN;
+        let mut at_triangle = |number, triangle: &Triangle| {
+            let foot = closest_on_triangle_exactly(point, triangle);
+            let rank = Rank::new(foot.squared.sqrt(), number);
+            if rank.distance <= max_distance && closest.as_ref().is_none_or(|(best, _)| rank < *best) {
+                closest = Some((rank, foot));
+            }
+            let of_closest = |(_, foot): &(_, TrianglePoint)| farthest.min(foot.squared * MARGIN);
+            closest.as_ref().map_or(farthest, of_closest)
+        };
+        let latest_triangle = latest.and_then(|number| Some((number, body.triangle(number)?)));
+        let mut limit = latest_triangle.map_or(farthest, |(number, triangle)| at_triangle(number, &triangle));
         let _never_stopped = self
             .one
             .walk(body, limit, &ByBox(squared_distance), |number, triangle| {
-                let foot = closest_on_triangle_exactly(point, triangle);
-                let rank = Rank::new(foot.squared.sqrt(), number);
-                if rank.distance <= max_distance && closest.as_ref().is_none_or(|(best, _)| rank < *best) {
-                    closest = Some((rank, foot));
-                    limit = limit.min(foot.squared * MARGIN);
+                if !is_beyond(limit, point, triangle) {
+                    limit = at_triangle(number, triangle);
                 }
                 ControlFlow::Continue(limit)
             });
-        Ok(closest.map(|(rank, foot)| ClosestPoint {
+        let (rank, foot) = closest?;
+        *latest = Some(rank.id);
+        Some(ClosestPoint {
             triangle: rank.id,
             barycentrics: foot.barycentrics,
             point: foot.point,
             distance: rank.distance,
-        }))
+        })
     }
+}
+
+/// Whether the squared distance of a triangle, as [`closest_on_triangle_exactly`] computes it, is certainly above a limit: that of the
+/// triangle's bounding box is.
+///
+/// The error of a computed distance is a few roundings of the reach `r`, the largest distance to a corner. If the box is more than
+/// `l + e r` away, the square of that is at most `(1 + k) l^2 + (1 + 1 / k) (e r)^2`, here with `k = 1e-3` and `e = 3e-14`.
+fn is_beyond(limit: f64, point: DVec3, [a, b, c]: &Triangle) -> bool {
+    let (below, above) = (a.min(*b).min(*c) - point, point - a.max(*b).max(*c));
+    let gap = below.max(above).max(DVec3::ZERO);
+    let reach = below.min(above);
+    gap.length_squared() > 1.001 * limit + 1e-24 * reach.length_squared()
 }
 
 impl From<&ClosestPoint> for SurfaceAnchor {

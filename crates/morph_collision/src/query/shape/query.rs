@@ -10,6 +10,7 @@ use crate::bounds::{Box64, ByBox};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_number};
 use crate::query::Body;
+use crate::query::batch::{Latest, OneBodyBatch};
 use crate::query::capped::Capped;
 use crate::query::one_body::OneBody;
 use crate::query::rank::Rank;
@@ -60,6 +61,7 @@ pub struct ShapeContact {
 #[derive(Debug, Default)]
 pub struct ShapeQuery {
     pub(super) one: OneBody,
+    pub(super) batch: OneBodyBatch<Self>,
 }
 
 query_basics!(ShapeQuery, |query| query.one.stats);
@@ -147,15 +149,32 @@ impl ShapeQuery {
         within: f64,
     ) -> Result<Option<ShapeContact>, InputError> {
         check_within(within)?;
+        Ok(self.closest_from(body, shape, within, &mut None))
+    }
+
+    /// The closest contact, for valid input. Tests the latest triangle first, because its distance is a limit for all others.
+    pub(super) fn closest_from(
+        &mut self,
+        mut body: Body<'_>,
+        shape: &PlacedShape,
+        within: f64,
+        latest: &mut Latest,
+    ) -> Option<ShapeContact> {
         let mut best: Option<ShapeContact> = None;
-        self.walk(body, shape, within, |triangle, corners| {
+        let mut at_triangle = |triangle, corners: &Triangle| {
             let contact = contact(shape, triangle, corners);
             if contact.distance <= within && best.as_ref().is_none_or(|best| contact.rank() < best.rank()) {
                 best = Some(contact);
             }
-            ControlFlow::Continue(best.as_ref().map_or(within, |best| best.distance))
+            best.as_ref().map_or(within, |best| best.distance)
+        };
+        let latest_triangle = latest.and_then(|number| Some((number, body.triangle(number)?)));
+        let limit = latest_triangle.map_or(within, |(number, corners)| at_triangle(number, &corners));
+        self.walk(body, shape, limit, |triangle, corners| {
+            ControlFlow::Continue(at_triangle(triangle, corners))
         });
-        Ok(best)
+        *latest = best.as_ref().map_or(*latest, |best| Some(best.triangle));
+        best
     }
 
     fn walk(
@@ -177,7 +196,7 @@ impl ShapeContact {
     }
 }
 
-fn check_within(within: f64) -> Result<(), InputError> {
+pub(super) fn check_within(within: f64) -> Result<(), InputError> {
     check_number("within", within, !within.is_nan(), "a number")
 }
 

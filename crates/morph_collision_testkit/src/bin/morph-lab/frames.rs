@@ -8,13 +8,13 @@ use clap::{Args, ValueEnum};
 use morph_collision::Kernel;
 use morph_collision::batch::Wanted;
 use morph_collision_cli::shared::{AnyError, Verdict};
-use morph_collision_testkit::bench::{Entrant, Experiment, Questions};
+use morph_collision_testkit::bench::{Asked, Entrant, Experiment, Many, ManyQuestions, NotAsked, Questions};
 use morph_collision_testkit::rivals::{Method, MethodOptions, PoseError};
 
 /// Run all frames of a benchmark scene, to count instructions; without a scene, print the kernel of this machine.
 #[derive(Debug, Args)]
 pub(crate) struct FramesArgs {
-    /// The scene.
+    /// The scene; or `many-rays` or `many-points`, for questions in batches (all) or one by one (first).
     #[arg(requires = "mode")]
     scene: Option<String>,
     /// What to find about each pair of bodies.
@@ -33,6 +33,9 @@ pub(crate) fn frames(args: &FramesArgs) -> Result<Verdict, AnyError> {
         println!("{}", Kernel::default().name());
         return Ok(Verdict::Clean);
     };
+    if let Some(many) = Many::ALL.into_iter().find(|many| many.name() == scene) {
+        return many_questions(many, mode);
+    }
     let wanted = match mode {
         Mode::All => Wanted::All,
         Mode::First => Wanted::First,
@@ -46,6 +49,25 @@ pub(crate) fn frames(args: &FramesArgs) -> Result<Verdict, AnyError> {
         counted_pass(&experiment, method.as_mut(), &mut questions, wanted)?
     );
     Ok(Verdict::Clean)
+}
+
+/// Asks many questions at one moment: in batches, or one by one if only the first pairs are wanted.
+fn many_questions(many: Many, mode: Mode) -> Result<Verdict, AnyError> {
+    let mut questions = ManyQuestions::new(many)?;
+    let asked = match mode {
+        Mode::All => Asked::Batch(1),
+        Mode::First => Asked::OneByOne,
+    };
+    questions.ask(0, asked)?;
+    let (found, _) = many_counted_pass(&mut questions, asked)?;
+    println!("{found} found");
+    Ok(Verdict::Clean)
+}
+
+/// Callgrind is told to collect only in here.
+#[inline(never)]
+fn many_counted_pass(questions: &mut ManyQuestions, asked: Asked) -> Result<(usize, f64), NotAsked> {
+    questions.ask(1, asked)
 }
 
 /// Callgrind is told to collect only in here.

@@ -5,6 +5,7 @@ mod faces;
 mod frame_to_frame;
 mod instructions;
 mod leaves;
+mod many_questions;
 mod methods;
 mod motion;
 mod paper;
@@ -64,11 +65,12 @@ impl Topic {
 }
 
 /// All topics, in the order in which they are measured.
-pub(crate) const TOPICS: [Topic; 13] = [
+pub(crate) const TOPICS: [Topic; 14] = [
     of_every_method::<methods::GeneratedMeshes>(),
     of_every_method::<faces::Faces>(),
     of_every_method::<skinned::Skinned>(),
     of_every_method::<rays::Rays>(),
+    many_questions::TOPIC,
     frame_to_frame::TOPIC,
     paper::TOPIC,
     scale::TOPIC,

@@ -13,9 +13,8 @@
 //! - A [`Pose`] is one instance: its weights and joints, and a cache of the boxes and vertices computed for them.
 //! - A [`Body`] is a pose and its placement in the world, borrowed for one query.
 //! - A query, such as [`PairQuery`], owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports
-//!   how much work the last call took. Methods that fill a list append to it, except that the
-//!   `_batch` methods replace it: they answer many questions. The `up_to` variants stop at a limit and return whether there
-//!   is more.
+//!   how much work the last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there
+//!   is more. The `_batch` variants answer many questions at once; they replace a list by one answer per question.
 //!
 //! ```text
 //! positions + targets -> MorphModel -> MorphBvh -> Pose (weights, joints, cache) -> PairQuery -> triangle pairs

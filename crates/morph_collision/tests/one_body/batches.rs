@@ -174,7 +174,10 @@ fn a_batch_answers_as_one_by_one_on_real_models() {
 /// A body so large, and so many questions, that the work is spread over threads.
 fn large() -> Asked {
     let mesh = random_blob(3, 4, 2, 0.3);
-    Asked::new(&Case::new("large", mesh, vec![0.7, -0.4], glam::Affine3A::IDENTITY), 4000)
+    Asked::new(
+        &Case::new("large", mesh, vec![0.7, -0.4], glam::Affine3A::IDENTITY),
+        4000,
+    )
 }
 
 #[test]
@@ -281,7 +284,9 @@ fn no_questions_have_no_answers() {
     let (mut hits, mut closest) = (vec![None; 3], vec![None; 3]);
     rays.closest_batch(Body::new(&mut pose, &place), &[], &threads, &mut hits);
     let body = Body::new(&mut pose, &place);
-    shapes.closest_point_batch(body, &[], 1.0, &threads, &mut closest).unwrap();
+    shapes
+        .closest_point_batch(body, &[], 1.0, &threads, &mut closest)
+        .unwrap();
     assert!(hits.is_empty() && closest.is_empty());
     assert_eq!((rays.stats(), shapes.stats()), Default::default());
 }

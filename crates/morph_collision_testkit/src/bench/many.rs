@@ -124,7 +124,13 @@ impl ManyQuestions {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         // Low-discrepancy steps, from -1 to 1.
         let share = |number: u32, stride: f64| 2.0 * (f64::from(number) * stride).fract() - 1.0;
-        let aside = |number| DVec3::new(share(number, 0.819_173), share(number, 0.671_044), share(number, 0.549_700));
+        let aside = |number| {
+            DVec3::new(
+                share(number, 0.819_173),
+                share(number, 0.671_044),
+                share(number, 0.549_700),
+            )
+        };
         let point = |number| 0.5 * (min + max) + 0.5 * (1.0 + BEYOND) * (max - min) * aside(number);
         all.points = (0..POINTS).map(point).collect();
         Ok(all)

@@ -36,9 +36,9 @@ pub(in crate::query) type Latest = Option<u32>;
 
 /// The number of questions that the caller's thread answers before others are woken, to see how much work the rest is.
 const SAMPLE: usize = 64;
-/// Tests of boxes and triangles that take longer than waking a thread.
+/// Tests of boxes and triangles for which waking a thread pays: they take about a millisecond. Not measured on a quiet machine.
 const MIN_TESTS: usize = 20_000;
-/// Tests that take as long as copying a vertex and its share of the boxes.
+/// Tests that take longer than copying a vertex and its share of the boxes. Not measured on a quiet machine.
 const TESTS_PER_VERTEX: usize = 2;
 
 impl<Q: OneBodyQuery> OneBodyBatch<Q> {
@@ -91,29 +91,30 @@ impl<Q: OneBodyQuery> OneBodyBatch<Q> {
         // The first worker locks it while it answers a chunk, the others while they copy the pose.
         let own = RwLock::new(own);
         let helpers = &self.helpers;
-        self.questions.answer(parts, workers, answers, |worker, mut chunks, found| {
-            let Helper { query, pose, work } = &mut *locked(&helpers[worker]);
-            *work = QueryStats::default();
-            let mut latest = None;
-            let mut answer = |query: &mut Q, mut body: Body<'_>, questions: &[u32]| {
-                for &question in questions {
-                    found.push((question, ask(query, body.reborrow(), question, &mut latest)));
-                    *work += query.work();
+        self.questions
+            .answer(parts, workers, answers, |worker, mut chunks, found| {
+                let Helper { query, pose, work } = &mut *locked(&helpers[worker]);
+                *work = QueryStats::default();
+                let mut latest = None;
+                let mut answer = |query: &mut Q, mut body: Body<'_>, questions: &[u32]| {
+                    for &question in questions {
+                        found.push((question, ask(query, body.reborrow(), question, &mut latest)));
+                        *work += query.work();
+                    }
+                };
+                if worker == 0 {
+                    for chunk in chunks {
+                        let (query, body) = &mut *own.write().unwrap_or_else(PoisonError::into_inner);
+                        answer(query, body.reborrow(), chunk);
+                    }
+                } else if let Some(first) = chunks.next() {
+                    let (_, body) = &*own.read().unwrap_or_else(PoisonError::into_inner);
+                    let pose = Pose::copied(pose, body.pose);
+                    for chunk in std::iter::once(first).chain(chunks) {
+                        answer(query, Body::new(pose, world_from_model), chunk);
+                    }
                 }
-            };
-            if worker == 0 {
-                for chunk in chunks {
-                    let (query, body) = &mut *own.write().unwrap_or_else(PoisonError::into_inner);
-                    answer(query, body.reborrow(), chunk);
-                }
-            } else if let Some(first) = chunks.next() {
-                let (_, body) = &*own.read().unwrap_or_else(PoisonError::into_inner);
-                let pose = Pose::copied(pose, body.pose);
-                for chunk in std::iter::once(first).chain(chunks) {
-                    answer(query, Body::new(pose, world_from_model), chunk);
-                }
-            }
-        });
+            });
         let helpers = self.helpers.iter_mut().take(parts);
         helpers.fold(QueryStats::default(), |sum, helper| sum + unlocked(helper).work)
     }

@@ -18,7 +18,8 @@ impl OneBodyQuery for RayQuery {
 }
 
 impl RayQuery {
-    /// Answers [`RayQuery::closest`] for many rays, faster than one by one. Replaces `hits` by one answer per ray, in the order of the rays.
+    /// Answers [`RayQuery::closest`] for many rays, on several threads if you like. Replaces `hits` by one answer per ray, in the order of the
+    /// rays.
     ///
     /// The answers are the same as one by one, bit for bit, on any number of threads. Rays are sorted so that similar rays follow each
     /// other. They are spread over the workers if that pays; for a single thread, pass [`ThreadWorkers::new(1)`](crate::batch::ThreadWorkers).

@@ -58,7 +58,10 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
 
 /// Microseconds of a question, for each way to ask it: medians of rounds, in turns.
 fn race(many: Many, ways: &[Asked], rounds: usize) -> Result<Vec<f64>, Box<dyn Error>> {
-    let mut contenders = ways.iter().map(|_| ManyQuestions::new(many)).collect::<Result<Vec<_>, _>>()?;
+    let mut contenders = ways
+        .iter()
+        .map(|_| ManyQuestions::new(many))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut times = vec![Vec::new(); ways.len()];
     // Round 0 grows memory.
     for round in 0..=rounds {
@@ -111,7 +114,11 @@ fn table(rows: &[Row]) -> Table {
         1 => "batch, 1 thread".to_owned(),
         more => format!("batch, {more} threads"),
     };
-    let mut table = Table::new(["us per question".to_owned()].into_iter().chain(threads.iter().map(head)));
+    let mut table = Table::new(
+        ["us per question".to_owned()]
+            .into_iter()
+            .chain(threads.iter().map(head)),
+    );
     for own in rows.chunk_by(|a, b| a.questions == b.questions) {
         let cell = |threads: &usize| {
             let row = own.iter().find(|row| row.threads == *threads);

@@ -162,7 +162,7 @@
 //! 2. **Weights** (`posing`): remembers each collider's previous state, then sets its pose to the current weights and joint matrices.
 //! 3. **Broad phase** (`broad_phase`): finds pairs of colliders whose world-space boxes overlap and that
 //!    [`MorphCollisionLayers`](components::MorphCollisionLayers) and [`MorphCollisionMode`](components::MorphCollisionMode)s allow.
-//! 4. **Narrow phase** ([`narrow_phase`], [`self_collisions`]): finds exact triangle pairs and contacts and stores them in
+//! 4. **Narrow phase** (`narrow_phase`, [`self_collisions`]): finds exact triangle pairs and contacts and stores them in
 //!    [`MorphCollisions`](contacts::MorphCollisions), by collider and by body. Finds where meshes intersect themselves.
 //! 5. **Events** ([`events`]): reports which contacts of colliders and bodies started or ended since the last run, and updates
 //!    [`MorphCollidingEntities`](events::MorphCollidingEntities).
@@ -192,7 +192,7 @@ pub mod debug;
 pub mod events;
 pub mod import;
 mod misuse;
-pub mod narrow_phase;
+mod narrow_phase;
 pub mod physics_api;
 pub mod plugins;
 mod posing;

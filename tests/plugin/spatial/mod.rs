@@ -7,6 +7,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
+mod batches;
 mod order;
 mod shapes;
 mod systems;

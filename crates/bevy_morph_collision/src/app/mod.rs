@@ -1,6 +1,7 @@
 //! The app around the plugin.
 //!
 //! - `systems`: the system sets. `state_of`: gives the plugin's state to entities. `schedules`: which schedules are fixed.
+//! - `workers`: Bevy's threads.
 //! - `missing`, `suspects`: what is logged about missing plugins and likely mistakes. `names`: what messages call entities and assets.
 
 mod missing;
@@ -9,6 +10,7 @@ mod schedules;
 mod state_of;
 mod suspects;
 mod systems;
+mod workers;
 
 pub(crate) use missing::InGroup;
 #[cfg(any(feature = "picking", feature = "gizmos"))]
@@ -18,3 +20,4 @@ pub use schedules::is_fixed;
 pub(crate) use state_of::require_state;
 pub(crate) use suspects::{PATIENCE, Suspects, WarnOnce};
 pub use systems::MorphCollisionSystems;
+pub use workers::TaskPoolWorkers;

@@ -11,9 +11,9 @@ use super::comparison::{BatchResult, Comparison, Job, Outcome, Pair, wants_all};
 use super::memories::{Memories, keep_memories};
 use super::participant::PlacedCollider;
 use super::starts::Starts;
-use super::workers::TaskPoolWorkers;
 
 use super::starts::RunView;
+use crate::app::TaskPoolWorkers;
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
 use crate::contacts::MorphCollisions;

@@ -2,7 +2,7 @@
 //!
 //! - `find`: queries all pairs of meshes at once. `participant`: the colliders. `comparison`: two of them, and what is known about them.
 //! - `memories`: starts pairs where they touched in the last run.
-//! - `contact_queries`: turns the results into contacts. `builders`: also on several threads. `workers`: Bevy's threads.
+//! - `contact_queries`: turns the results into contacts. `builders`: also on several threads.
 //! - `motion`: compares continuous pairs that did not touch on their way, from where they were (`starts`).
 
 mod builders;
@@ -13,7 +13,5 @@ mod memories;
 mod motion;
 mod participant;
 mod starts;
-mod workers;
 
 pub(crate) use find::find_contacts;
-pub use workers::TaskPoolWorkers;

@@ -1,10 +1,11 @@
 //! Spatial queries: systems ask about colliders, in world space.
 //!
-//! - `query`: [`MorphSpatialQuery`] and its walk over colliders. `filter`: which of them. `answer`: what queries return.
-//! - `rays`, `shapes`, `points`, `overlaps`, `pairs`, `posed`, `velocity`: the questions.
+//! - `query`: [`MorphSpatialQuery`]. `walker`: its walk over colliders. `filter`: which of them. `answer`: what queries return.
+//! - `rays`, `shapes`, `points`, `overlaps`, `pairs`, `posed`, `velocity`: the questions. `batches`: many of them at one moment.
 //! - `index`: a tree over the boxes of all colliders. `state`: what queries share. `surface`: texture coordinates and joints of a hit.
 
 mod answer;
+mod batches;
 mod filter;
 mod index;
 mod overlaps;
@@ -17,6 +18,7 @@ mod shapes;
 mod state;
 mod surface;
 mod velocity;
+mod walker;
 
 use bevy::prelude::*;
 

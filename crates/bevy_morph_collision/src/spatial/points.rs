@@ -5,7 +5,8 @@ use bevy::prelude::*;
 use morph_collision::{Aabb, ClosestPoint, InputError, PlacedShape, Rank};
 
 use super::query::Target;
-use super::rays::{HitRank, checked_ray, renamed};
+use super::rays::{HitRank, RayCast, renamed};
+use super::walker::Walker;
 use super::{MorphProjection, MorphQueryFilter, MorphSpatialQuery};
 use crate::contacts::MorphContact;
 
@@ -27,39 +28,20 @@ impl MorphSpatialQuery<'_, '_> {
         filter: &MorphQueryFilter,
         mut predicate: impl FnMut(Entity) -> bool,
     ) -> Option<MorphProjection> {
-        let within = self.valid("project_point", checked_distance(point, max_distance))?;
-        let from = point.as_dvec3();
-        let near = |bounds: &Aabb| Some(away(bounds, point));
-        let mut best: Option<(HitRank, Closest)> = None;
-        self.walk(filter, &mut predicate, max_distance, near, |queries, entity, target| {
-            let limit = best.as_ref().map_or(within, |(_, found)| found.distance);
-            let found = match target {
-                Target::Mesh(mut body) => match queries.shape.closest_point(body.reborrow(), from, limit) {
-                    Ok(Some(closest)) => Some(Closest {
-                        distance: closest.distance,
-                        point: closest.point,
-                        normal: body.triangle(closest.triangle).map_or(Vec3::ZERO, normal_of),
-                        on_mesh: Some(closest),
-                    }),
-                    _ => None,
-                },
-                Target::Shape(shape) => Some(Closest::in_shape(shape, from)).filter(|found| found.distance <= limit),
-            };
-            let found = found.map(|found| (Rank::new(found.distance, (entity, found.triangle())), found));
-            let is_closest = |(rank, _): &(HitRank, _)| best.as_ref().is_none_or(|(closest, _)| rank < closest);
-            if let Some(found) = found.filter(is_closest) {
-                best = Some(found);
-            }
-            best.as_ref()
-                .map_or(max_distance, |(_, found)| (found.distance as f32).next_up())
-        });
-        let (rank, found) = best?;
+        self.valid("project_point", checked_distance(point, max_distance))?;
+        let closest = self
+            .walker()?
+            .closest_point(point, max_distance, filter, &mut predicate)?;
+        Some(self.projection(&closest))
+    }
+
+    pub(super) fn projection(&self, (rank, found): &(HitRank, Closest)) -> MorphProjection {
         let (entity, triangle) = rank.id;
         let barycentrics = found
             .on_mesh
             .map_or(DVec3::ZERO, |closest| DVec3::from_array(closest.barycentrics))
             .as_vec3();
-        Some(MorphProjection {
+        MorphProjection {
             entity,
             distance: found.distance as f32,
             point: found.point.as_vec3(),
@@ -68,7 +50,7 @@ impl MorphSpatialQuery<'_, '_> {
             barycentrics,
             uv: self.uv(entity, triangle, barycentrics),
             joint: self.joint(entity, triangle, barycentrics),
-        })
+        }
     }
 
     /// The colliders that contain a point, ascending: shapes, and meshes that enclose it or have it on their surface.
@@ -109,8 +91,46 @@ impl MorphSpatialQuery<'_, '_> {
     }
 }
 
+impl Walker<'_, '_, '_> {
+    /// The closest point, for valid input.
+    pub(super) fn closest_point(
+        &mut self,
+        point: Vec3,
+        max_distance: f32,
+        filter: &MorphQueryFilter,
+        predicate: &mut dyn FnMut(Entity) -> bool,
+    ) -> Option<(HitRank, Closest)> {
+        let (from, within) = (point.as_dvec3(), f64::from(max_distance));
+        let near = |bounds: &Aabb| Some(away(bounds, point));
+        let mut best: Option<(HitRank, Closest)> = None;
+        self.walk(filter, predicate, max_distance, near, |queries, entity, target| {
+            let limit = best.as_ref().map_or(within, |(_, found)| found.distance);
+            let found = match target {
+                Target::Mesh(mut body) => match queries.shape.closest_point(body.reborrow(), from, limit) {
+                    Ok(Some(closest)) => Some(Closest {
+                        distance: closest.distance,
+                        point: closest.point,
+                        normal: body.triangle(closest.triangle).map_or(Vec3::ZERO, normal_of),
+                        on_mesh: Some(closest),
+                    }),
+                    _ => None,
+                },
+                Target::Shape(shape) => Some(Closest::in_shape(shape, from)).filter(|found| found.distance <= limit),
+            };
+            let found = found.map(|found| (Rank::new(found.distance, (entity, found.triangle())), found));
+            let is_closest = |(rank, _): &(HitRank, _)| best.as_ref().is_none_or(|(closest, _)| rank < closest);
+            if let Some(found) = found.filter(is_closest) {
+                best = Some(found);
+            }
+            best.as_ref()
+                .map_or(max_distance, |(_, found)| (found.distance as f32).next_up())
+        });
+        best
+    }
+}
+
 /// The point of a collider that is closest to another point.
-struct Closest {
+pub(super) struct Closest {
     distance: f64,
     point: DVec3,
     normal: Vec3,
@@ -151,7 +171,7 @@ fn towards(from: DVec3, to: DVec3) -> Vec3 {
 
 pub(super) fn checked_distance(point: Vec3, max_distance: f32) -> Result<f64, InputError> {
     // The ray constructor reports which number is invalid.
-    match checked_ray(point, Dir3::X, max_distance) {
+    match RayCast::new(point, Dir3::X, max_distance) {
         Ok(_) => Ok(f64::from(max_distance)),
         Err(error) => Err(renamed(error, "origin", "point")),
     }

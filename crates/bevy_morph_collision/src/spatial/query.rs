@@ -1,4 +1,4 @@
-//! The system parameter, and its walk over colliders.
+//! The system parameter.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -9,6 +9,7 @@ use morph_collision::{Aabb, Body, InputError, PlacedShape};
 use super::MorphQueryFilter;
 use super::state::{BorrowedQueries, Queries, SpatialState};
 use super::surface::Surfaces;
+use super::walker::Walker;
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
 use crate::state::{ColliderState, Form, RunTimes, Runs};
@@ -32,6 +33,8 @@ use crate::state::{ColliderState, Form, RunTimes, Runs};
 ///   this tree, which visits every collider.
 /// - **Predicates.** Each method with a filter has a variant that also calls a predicate for every collider that it would look
 ///   at, in no particular order. The predicate may run further queries.
+/// - **Many at once.** [`MorphSpatialQuery::cast_rays`], [`MorphSpatialQuery::project_points`] and
+///   [`MorphSpatialQuery::intersections_with_shapes`] answer many questions faster than one by one, on Bevy's threads.
 /// - **Bad input.** A query with invalid input, such as a NaN direction, finds nothing. The log warns once per method.
 ///
 /// ```
@@ -95,38 +98,30 @@ impl MorphSpatialQuery<'_, '_> {
         Some(self.state.as_ref()?.borrow())
     }
 
-    /// Calls `at` for colliders that pass a filter and a predicate, in ascending order of the lower bounds that `bound` computes
-    /// for their boxes, until all remaining bounds are above the limit that `at` returns.
-    ///
-    /// The pose of a mesh is locked while `at` runs, so `at` must not query other colliders.
+    /// Starts to walk over colliders; `None` without the plugin. Updates the index of colliders if necessary.
+    pub(super) fn walker(&self) -> Option<Walker<'_, '_, '_>> {
+        let (candidates, runs, state) = (self.candidates.as_ref()?, self.runs.as_ref()?, self.state.as_ref()?);
+        Some(Walker {
+            spatial: self,
+            candidates,
+            index: state.index(candidates, runs, &self.states),
+            borrowed: state.borrow(),
+            copies: None,
+        })
+    }
+
+    /// A single [`Walker::walk`].
     pub(super) fn walk(
         &self,
         filter: &MorphQueryFilter,
         predicate: &mut dyn FnMut(Entity) -> bool,
         limit: f32,
         bound: impl FnMut(&Aabb) -> Option<f32>,
-        mut at: impl FnMut(&mut Queries, Entity, Target<'_>) -> f32,
+        at: impl FnMut(&mut Queries, Entity, Target<'_>) -> f32,
     ) {
-        let (Some(candidates), Some(runs), Some(state)) = (&self.candidates, &self.runs, &self.state) else {
-            return;
-        };
-        let index = state.index(candidates, runs, &self.states);
-        let mut borrowed = state.borrow();
-        let queries = borrowed.queries();
-        let mut queue = std::mem::take(&mut queries.queue);
-        let mut last = limit;
-        index.walk(&mut queue, limit, bound, |place| {
-            let (collider, placed) = &candidates.colliders()[place];
-            if filter.takes(*collider, placed)
-                && predicate(*collider)
-                && let Some(state) = self.state(*collider)
-                && let Some(limit) = with_target(state, |target| at(queries, *collider, target))
-            {
-                last = limit;
-            }
-            last
-        });
-        queries.queue = queue;
+        if let Some(mut walker) = self.walker() {
+            walker.walk(filter, predicate, limit, bound, at);
+        }
     }
 
     /// A collider's state after the last run; `None` if it took no part. Disabled entities are not updated, so their old state

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use morph_collision::{Aabb, Facing, InputError, PlacedShape, Rank, Ray, RayHit, ShapeImpact};
 
 use super::query::Target;
+use super::walker::Walker;
 use super::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 use crate::contacts::MorphContact;
 
@@ -15,7 +16,7 @@ enum Met {
 }
 
 /// A hit and its place among all hits of a ray.
-struct Ranked {
+pub(super) struct Ranked {
     /// By the parameter of the ray: it is the same for all surfaces that the ray hits at the same point. Distances are products with
     /// the length of the direction, so different parameters may have the same distance.
     rank: HitRank,
@@ -69,37 +70,9 @@ impl MorphSpatialQuery<'_, '_> {
         filter: &MorphQueryFilter,
         mut predicate: impl FnMut(Entity) -> bool,
     ) -> Option<MorphRayHit> {
-        let (mut ray, point) = self.valid("cast_ray", checked_ray(origin, direction, max_distance))?;
-        let mut within = max_distance;
-        let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
-        let mut first: Option<Ranked> = None;
-        self.walk(
-            filter,
-            &mut predicate,
-            max_distance,
-            enters,
-            |queries, entity, target| {
-                let hit = match target {
-                    Target::Mesh(body) => queries
-                        .ray
-                        .closest_where(body, &ray, |hit| filter.sees(hit))
-                        .map(|hit| Ranked::triangle(entity, hit)),
-                    Target::Shape(shape) => meets_shape(&point, direction, within, shape)
-                        .map(|impact| Ranked::shape(entity, impact, direction)),
-                };
-                let is_first = |hit: &Ranked| first.as_ref().is_none_or(|first| hit.rank < first.rank);
-                if let Some(hit) = hit.filter(is_first) {
-                    // A margin for the roundings of other hits, and for a direction whose length is not quite 1.
-                    within = ((hit.rank.distance * (1.0 + 1e-6)) as f32).next_up().min(max_distance);
-                    if let Ok((shorter, _)) = checked_ray(origin, direction, within) {
-                        ray = shorter;
-                    }
-                    first = Some(hit);
-                }
-                within
-            },
-        );
-        first.map(|hit| self.ray_hit(&hit))
+        let cast = self.valid("cast_ray", RayCast::new(origin, direction, max_distance))?;
+        let hit = self.walker()?.first_hit(cast, filter, &mut predicate)?;
+        Some(self.ray_hit(&hit))
     }
 
     /// All hits of a ray: every triangle of meshes, and shapes where the ray enters them.
@@ -127,7 +100,7 @@ impl MorphSpatialQuery<'_, '_> {
         filter: &MorphQueryFilter,
         mut predicate: impl FnMut(Entity) -> bool,
     ) -> Vec<MorphRayHit> {
-        let Some((ray, point)) = self.valid("ray_hits", checked_ray(origin, direction, max_distance)) else {
+        let Some(cast) = self.valid("ray_hits", RayCast::new(origin, direction, max_distance)) else {
             return Vec::new();
         };
         let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
@@ -141,12 +114,12 @@ impl MorphSpatialQuery<'_, '_> {
                 match target {
                     Target::Mesh(body) => {
                         queries.hits.clear();
-                        queries.ray.all(body, &ray, &mut queries.hits);
+                        queries.ray.all(body, &cast.ray, &mut queries.hits);
                         let seen = queries.hits.drain(..).filter(|hit| filter.sees(hit));
                         all.extend(seen.map(|hit| Ranked::triangle(entity, hit)));
                     }
                     Target::Shape(shape) => {
-                        let impact = meets_shape(&point, direction, max_distance, shape);
+                        let impact = meets_shape(&cast.point, direction, max_distance, shape);
                         all.extend(impact.map(|impact| Ranked::shape(entity, impact, direction)));
                     }
                 }
@@ -157,7 +130,7 @@ impl MorphSpatialQuery<'_, '_> {
         all.iter().map(|hit| self.ray_hit(hit)).collect()
     }
 
-    fn ray_hit(&self, Ranked { rank, met }: &Ranked) -> MorphRayHit {
+    pub(super) fn ray_hit(&self, Ranked { rank, met }: &Ranked) -> MorphRayHit {
         let (entity, _) = rank.id;
         match met {
             Met::Triangle(hit) => {
@@ -189,11 +162,67 @@ impl MorphSpatialQuery<'_, '_> {
     }
 }
 
+impl Walker<'_, '_, '_> {
+    /// The first hit of a ray.
+    pub(super) fn first_hit(
+        &mut self,
+        mut cast: RayCast,
+        filter: &MorphQueryFilter,
+        predicate: &mut dyn FnMut(Entity) -> bool,
+    ) -> Option<Ranked> {
+        let RayCast {
+            origin,
+            direction,
+            max_distance,
+            ..
+        } = cast;
+        let mut within = max_distance;
+        let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
+        let mut first: Option<Ranked> = None;
+        self.walk(filter, predicate, max_distance, enters, |queries, entity, target| {
+            let hit = match target {
+                Target::Mesh(body) => queries
+                    .ray
+                    .closest_where(body, &cast.ray, |hit| filter.sees(hit))
+                    .map(|hit| Ranked::triangle(entity, hit)),
+                Target::Shape(shape) => meets_shape(&cast.point, direction, within, shape)
+                    .map(|impact| Ranked::shape(entity, impact, direction)),
+            };
+            let is_first = |hit: &Ranked| first.as_ref().is_none_or(|first| hit.rank < first.rank);
+            if let Some(hit) = hit.filter(is_first) {
+                // A margin for the roundings of other hits, and for a direction whose length is not quite 1.
+                within = ((hit.rank.distance * (1.0 + 1e-6)) as f32).next_up().min(max_distance);
+                if let Ok(shorter) = RayCast::new(origin, direction, within) {
+                    cast.ray = shorter.ray;
+                }
+                first = Some(hit);
+            }
+            within
+        });
+        first
+    }
+}
+
 /// A ray, and a point to cast along it.
-pub(super) fn checked_ray(origin: Vec3, direction: Dir3, max_distance: f32) -> Result<(Ray, PlacedShape), InputError> {
-    let ray = Ray::new(origin.as_dvec3(), direction.as_dvec3(), f64::from(max_distance));
-    let ray = ray.map_err(|error| renamed(error, "max_t", "max_distance"))?;
-    Ok((ray, PlacedShape::ball(origin.as_dvec3(), 0.0)?))
+pub(super) struct RayCast {
+    origin: Vec3,
+    direction: Dir3,
+    max_distance: f32,
+    ray: Ray,
+    point: PlacedShape,
+}
+
+impl RayCast {
+    pub(super) fn new(origin: Vec3, direction: Dir3, max_distance: f32) -> Result<Self, InputError> {
+        let ray = Ray::new(origin.as_dvec3(), direction.as_dvec3(), f64::from(max_distance));
+        Ok(Self {
+            origin,
+            direction,
+            max_distance,
+            ray: ray.map_err(|error| renamed(error, "max_t", "max_distance"))?,
+            point: PlacedShape::ball(origin.as_dvec3(), 0.0)?,
+        })
+    }
 }
 
 /// Renames the number in an error to what the called method calls it.

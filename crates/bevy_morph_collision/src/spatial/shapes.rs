@@ -4,7 +4,8 @@ use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, PlacedShape, Rank, ShapeImpact};
 
 use super::query::Target;
-use super::rays::{HitRank, checked_ray, enters};
+use super::rays::{HitRank, RayCast, enters};
+use super::walker::Walker;
 use super::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
 use crate::components::MorphShape;
 use crate::contacts::MorphContact;
@@ -34,21 +35,13 @@ impl MorphSpatialQuery<'_, '_> {
         filter: &MorphQueryFilter,
         mut predicate: impl FnMut(Entity) -> bool,
     ) -> Vec<Entity> {
-        let Some((shape, around)) = self.valid("shape_intersections", place(shape, origin, rotation)) else {
+        let Some(placed) = self.valid("shape_intersections", place(shape, origin, rotation)) else {
             return Vec::new();
         };
-        let mut met = Vec::new();
-        let overlaps = |bounds: &Aabb| around.overlaps(bounds).then_some(0.0);
-        self.walk(filter, &mut predicate, 0.0, overlaps, |queries, entity, target| {
-            let meets = match target {
-                Target::Mesh(body) => queries.shape.any(body, &shape),
-                Target::Shape(other) => shape.meets(other),
-            };
-            met.extend(meets.then_some(entity));
-            0.0
-        });
-        met.sort_unstable();
-        met
+        let walker = self.walker();
+        walker.map_or_else(Vec::new, |mut walker| {
+            walker.intersections_with(&placed, filter, &mut predicate)
+        })
     }
 
     /// The first collider that a solid shape touches while it moves without rotating, at most by `max_distance`, which may be
@@ -97,7 +90,7 @@ impl MorphSpatialQuery<'_, '_> {
     ) -> Option<MorphShapeHit> {
         let (shape, around) = self.valid("cast_shape", place(shape, origin, rotation))?;
         let way = direction.as_dvec3();
-        self.valid("cast_shape", checked_ray(origin, direction, max_distance))?;
+        self.valid("cast_shape", RayCast::new(origin, direction, max_distance))?;
         let reaches = |bounds: &Aabb| {
             let grown = Aabb {
                 min: bounds.min - (around.max - origin),
@@ -139,6 +132,29 @@ impl MorphSpatialQuery<'_, '_> {
     }
 }
 
+impl Walker<'_, '_, '_> {
+    /// The colliders that a shape intersects, ascending. The shape comes with a box around it.
+    pub(super) fn intersections_with(
+        &mut self,
+        (shape, around): &(PlacedShape, Aabb),
+        filter: &MorphQueryFilter,
+        predicate: &mut dyn FnMut(Entity) -> bool,
+    ) -> Vec<Entity> {
+        let mut met = Vec::new();
+        let overlaps = |bounds: &Aabb| around.overlaps(bounds).then_some(0.0);
+        self.walk(filter, predicate, 0.0, overlaps, |queries, entity, target| {
+            let meets = match target {
+                Target::Mesh(body) => queries.shape.any(body, shape),
+                Target::Shape(other) => shape.meets(other),
+            };
+            met.extend(meets.then_some(entity));
+            0.0
+        });
+        met.sort_unstable();
+        met
+    }
+}
+
 impl MorphShapeHit {
     fn new(entity: Entity, triangle: u32, impact: &ShapeImpact) -> Self {
         Self {
@@ -152,7 +168,7 @@ impl MorphShapeHit {
 }
 
 /// A shape in world space, and a box around it.
-fn place(shape: &MorphShape, origin: Vec3, rotation: Quat) -> Result<(PlacedShape, Aabb), InputError> {
+pub(super) fn place(shape: &MorphShape, origin: Vec3, rotation: Quat) -> Result<(PlacedShape, Aabb), InputError> {
     // Reports which number is invalid before using any.
     PlacedShape::ball(origin.as_dvec3(), 0.0)?;
     PlacedShape::new(morph_collision::Shape::Ball { radius: 0.0 }, rotation, Vec3::ZERO)?;

@@ -1,6 +1,6 @@
 //! A pose that several systems may query at the same time.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use morph_collision::Pose;
 
@@ -15,6 +15,15 @@ impl LockedPose {
     /// Accesses the pose without locking.
     pub(crate) fn get_mut(&mut self) -> &mut Pose {
         self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Locks the pose if that needs no waiting.
+    pub(crate) fn try_lock(&self) -> Option<MutexGuard<'_, Pose>> {
+        match self.0.try_lock() {
+            Ok(pose) => Some(pose),
+            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
     }
 
     /// Locks the pose. While it is locked, lock other poses only in ascending order of entities.

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 use super::{any, ask, three};
+use crate::support::Edits;
 
 /// Low-discrepancy steps in a box around the cubes.
 fn point(number: usize) -> Vec3 {

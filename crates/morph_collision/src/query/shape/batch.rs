@@ -93,7 +93,7 @@ impl ShapeQuery {
         contacts: &mut Vec<Option<ShapeContact>>,
     ) -> Result<(), InputError> {
         check_within(within)?;
-        let places = shapes.iter().map(|shape| shape.center());
+        let places = shapes.iter().map(PlacedShape::center);
         self.of_places(body, places, workers, (contacts, None), |query, body, shape, latest| {
             query.closest_from(body, &shapes[shape as usize], within, latest)
         });
@@ -110,7 +110,7 @@ impl ShapeQuery {
         workers: &dyn Workers,
         are_met: &mut Vec<bool>,
     ) {
-        let places = shapes.iter().map(|shape| shape.center());
+        let places = shapes.iter().map(PlacedShape::center);
         self.of_places(body, places, workers, (are_met, false), |query, body, shape, _| {
             query.any(body, &shapes[shape as usize])
         });

@@ -4,6 +4,6 @@
 //! same code. Items here change more often than the rest of the API; `bevy_morph_physics` is built on them.
 
 pub use crate::app::is_fixed;
-pub use crate::misuse::note_collider_component;
+pub use crate::misuse::{check_in_next_frame, note_collider_component};
 pub use crate::posing::{BindPoses, Skeleton, Skeletons, WeightsProblem, drawn_weights, take_weights};
 pub use crate::setup::ScenePart;

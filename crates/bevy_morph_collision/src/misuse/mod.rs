@@ -11,11 +11,13 @@
 //! - `scenes`: scenes without parts.
 //! - `anchors`: anchors that follow nothing.
 //! - `physics`: components of other crates that make an entity a collider, such as the one for physics engines.
+//! - `later`: checks of other crates that wait until all plugins are there.
 //! - `meshes`: meshes that never come, or whose joint weights are odd.
 
 mod anchors;
 mod bodies;
 mod colliders;
+mod later;
 mod look;
 mod meshes;
 mod physics;
@@ -36,6 +38,7 @@ use crate::self_collisions::MorphSelfCollisions;
 use crate::setup::report_outcomes;
 use crate::surface::MorphSurfaceAnchor;
 
+pub use later::check_in_next_frame;
 pub use physics::note_collider_component;
 
 /// Components whose entity is looked at when they are added. Scenes are noted when they change.
@@ -69,6 +72,7 @@ pub(crate) fn add(app: &mut App) {
             look::check_suspects.run_if(look::any_suspects),
             meshes::warn_of_missing_meshes.run_if(meshes::any_is_missing),
             meshes::warn_of_joint_weights.run_if(meshes::trees_changed),
+            later::run_checks.run_if(resource_exists::<later::LaterChecks>),
         )
             .chain()
             .in_set(MorphCollisionSystems::Import)

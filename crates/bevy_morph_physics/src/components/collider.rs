@@ -1,11 +1,9 @@
 //! The component that makes a mesh take part in physics.
 
-use bevy::ecs::lifecycle::HookContext;
-use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use bevy_morph_collision::components::{MorphCollider, MorphCollisionMode};
-use bevy_morph_collision::contacts::MorphCollisions;
-use tracing::warn;
+
+use super::engine_check::check_engine;
 
 /// Makes the mesh of a [`MorphCollider`] a collider of the physics engine: bodies collide with it as it deforms.
 ///
@@ -36,7 +34,7 @@ use tracing::warn;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
-#[component(on_add = warn_without_engine::<Self>)]
+#[component(on_add = check_engine::<Self>)]
 pub struct MorphPhysicsCollider {
     /// The highest plausible acceleration of the surface, in length units per second squared: like the engine's own parameters, it is
     /// multiplied by its length unit. If the surface's velocity changes faster, it may have jumped (teleported) instead of moved.
@@ -73,25 +71,4 @@ impl Default for MorphPhysicsCollider {
             solid: false,
         }
     }
-}
-
-/// An app has a plugin for an engine, or the log says that it lacks one.
-#[derive(Resource, Default)]
-pub(crate) struct EngineCheck;
-
-/// Warns of a component that has no effect, because the app has no plugin for a physics engine. Silent in apps without collision
-/// detection, such as editors.
-pub(super) fn warn_without_engine<C: Component>(mut world: DeferredWorld, context: HookContext) {
-    if world.contains_resource::<EngineCheck>() || !world.contains_resource::<MorphCollisions>() {
-        return;
-    }
-    let entity = context.entity;
-    let name = world.get::<Name>(entity);
-    let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
-    warn!(
-        "`{}` has no effect on entity `{name}`, because the app lacks a plugin for a physics engine: write \
-         app.add_plugins(MorphRapierPlugin), from bevy_morph_rapier, or app.add_plugins(MorphAvianPlugin), from bevy_morph_avian",
-        ShortName::of::<C>()
-    );
-    world.commands().init_resource::<EngineCheck>();
 }

@@ -6,7 +6,8 @@ use bevy::prelude::*;
 use bevy_morph_collision::components::{MorphCollider, MorphColliderScene, MorphCollisionMode};
 use bevy_morph_collision::physics_api::ScenePart;
 
-use super::collider::{MorphPhysicsCollider, warn_without_engine};
+use super::collider::MorphPhysicsCollider;
+use super::engine_check::check_engine;
 
 /// Gives every part of a [`MorphColliderScene`] a [`MorphPhysicsCollider`]. Put it on the root of the scene.
 ///
@@ -31,7 +32,7 @@ use super::collider::{MorphPhysicsCollider, warn_without_engine};
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphColliderScene = passive())]
-#[component(on_add = warn_without_engine::<Self>)]
+#[component(on_add = check_engine::<Self>)]
 pub struct MorphPhysicsScene {
     /// The collider of each part.
     pub collider: MorphPhysicsCollider,

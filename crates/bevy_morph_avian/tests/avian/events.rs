@@ -1,90 +1,12 @@
 //! Avian's collision events, and the lists of touching entities.
 
 use avian3d::prelude::*;
-use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::physics::{settle, sheet};
 
-use crate::support::{BALL, DT, app, ball_on_sheet, body, place, put, run, set_weights, spawn};
-
-/// Avian's events, in order of entities.
-#[derive(Default)]
-struct Log {
-    starts: MessageCursor<CollisionStart>,
-    ends: MessageCursor<CollisionEnd>,
-    started: Vec<(Entity, Entity)>,
-    ended: Vec<(Entity, Entity)>,
-}
-
-impl Log {
-    fn from_now(app: &App) -> Self {
-        let mut log = Self::default();
-        log.starts.clear(app.world().resource());
-        log.ends.clear(app.world().resource());
-        log
-    }
-
-    fn run(&mut self, app: &mut App, frames: usize, mut each: impl FnMut(&mut App, usize)) {
-        for frame in 1..=frames {
-            each(app, frame);
-            app.update();
-            let started = self.starts.read(app.world().resource());
-            self.started.extend(started.map(|it| pair(it.collider1, it.collider2)));
-            let ended = self.ends.read(app.world().resource());
-            self.ended.extend(ended.map(|it| pair(it.collider1, it.collider2)));
-        }
-    }
-}
-
-fn pair(a: Entity, b: Entity) -> (Entity, Entity) {
-    (a.min(b), a.max(b))
-}
-
-fn colliding(app: &App, entity: Entity) -> Vec<Entity> {
-    app.world()
-        .get::<CollidingEntities>(entity)
-        .unwrap()
-        .iter()
-        .copied()
-        .collect()
-}
-
-#[test]
-fn a_contact_starts_and_ends_once_however_far_it_slides() {
-    for on_surface in [true, false] {
-        let mut app = app();
-        let surface = spawn(&mut app, &sheet(32), CollidingEntities::default());
-        settle(&mut app);
-        let slippery = Friction::new(0.0).with_combine_rule(CoefficientCombine::Min);
-        let cuboid = (
-            (RigidBody::Dynamic, Collider::cuboid(0.6, 0.6, 0.6)),
-            Transform::from_xyz(-2.0, 0.31, 0.05),
-            (slippery, LinearVelocity(Vec3::X * 3.0)),
-            CollidingEntities::default(),
-        );
-        let world = app.world_mut();
-        let cuboid = if on_surface {
-            world.entity_mut(surface).insert(CollisionEventsEnabled);
-            world.spawn(cuboid).id()
-        } else {
-            world.spawn((cuboid, CollisionEventsEnabled)).id()
-        };
-        let mut log = Log::from_now(&app);
-        log.run(&mut app, 60, |app, i| {
-            set_weights(app, surface, &[0.2 * (i as f32 * DT).sin(), 0.3 * DT * i as f32]);
-        });
-        assert!(place(&app, cuboid).x > 0.5, "{}", place(&app, cuboid));
-        assert_eq!((&log.started, &log.ended), (&vec![pair(surface, cuboid)], &vec![]));
-        assert_eq!(colliding(&app, surface), [cuboid]);
-        assert_eq!(colliding(&app, cuboid), [surface]);
-        put(&mut app, cuboid, Vec3::new(0.0, 3.0, 0.0));
-        log.run(&mut app, 3, |_, _| {});
-        assert_eq!(log.ended, [pair(surface, cuboid)]);
-        assert_eq!((colliding(&app, surface), colliding(&app, cuboid)), (vec![], vec![]));
-    }
-}
+use crate::support::{BALL, DT, Log, app, ball_on_sheet, body, colliding, pair, put, run, set_weights, spawn};
 
 /// The events that an observer received.
 #[derive(Resource, Default)]
@@ -130,21 +52,6 @@ fn nobody_is_told_who_does_not_listen() {
         set_weights(app, surface, &[1e-3 * i as f32, 0.0]);
     });
     assert_eq!((log.started, log.ended), (vec![], vec![]));
-}
-
-#[test]
-fn a_sensor_surface_tells_and_lets_through() {
-    let mut app = app();
-    let surface = spawn(&mut app, &sheet(16), (Sensor, CollisionEventsEnabled));
-    settle(&mut app);
-    let ball = body(&mut app, Collider::sphere(0.3), Vec3::new(0.0, 1.0, 0.05));
-    let mut log = Log::from_now(&app);
-    log.run(&mut app, 60, |app, i| {
-        set_weights(app, surface, &[0.1 * (0.3 * i as f32).sin(), 0.0]);
-    });
-    let once = vec![pair(surface, ball)];
-    assert_eq!((log.started, log.ended), (once.clone(), once));
-    assert!(place(&app, ball).y < -1.0);
 }
 
 #[test]

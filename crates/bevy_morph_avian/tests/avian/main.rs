@@ -15,7 +15,6 @@ extern crate self as morph_collision_workspace;
 
 #[path = "../../../bevy_morph_physics/tests/any_engine/mod.rs"]
 mod any_engine;
-mod bullets;
 mod characters;
 #[cfg(feature = "cookbook")]
 mod cookbook;
@@ -28,7 +27,6 @@ mod moving;
 mod presence;
 mod queries;
 mod scene;
-mod schedules;
 mod skins;
 mod solid;
 // The report's methods. There are more than these tests use.

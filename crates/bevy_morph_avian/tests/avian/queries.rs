@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use morph_collision_models::generated::rigid;
 use morph_collision_workspace::physics::{settle, sheet};
 
-use crate::support::{app, ask, ball_on_sheet, below, body, is_asleep, place, population, run, set_weights, spawn};
+use crate::support::{all_below, app, ask, ball_on_sheet, body, is_asleep, place, population, run, set_weights, spawn};
 
 #[test]
 fn a_ray_sees_the_surface_once_where_it_is() {
@@ -15,11 +15,11 @@ fn a_ray_sees_the_surface_once_where_it_is() {
         set_weights(&mut app, surface, &[height, 0.0]);
         run(&mut app, 1);
         // Through the ball, under which the parts are, and far away from it.
-        let hits = below(&mut app, 0.1, 0.05);
+        let hits = all_below(&mut app, 0.1, 0.05);
         let entities: Vec<_> = hits.iter().map(|hit| hit.0).collect();
         assert_eq!(entities, [ball, surface], "{hits:?}");
         assert!((hits[1].1 - height).abs() < 1e-4, "{hits:?}");
-        let hits = below(&mut app, 3.0, -2.0);
+        let hits = all_below(&mut app, 3.0, -2.0);
         assert!(
             hits.len() == 1 && hits[0].0 == surface && (hits[0].1 - height).abs() < 1e-4,
             "{hits:?}"

@@ -12,7 +12,7 @@ use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::any_engine::scene::part;
 use crate::log::start;
-use crate::support::{app, below, body, place, run, velocity};
+use crate::support::{all_below, app, body, place, run, velocity};
 
 #[test]
 fn the_parts_of_a_scene_on_a_body_move_with_it() {
@@ -65,7 +65,7 @@ fn a_gltf_file_is_in_physics_once_it_is_spawned() {
     })
     .expect("it comes into physics");
     run(&mut app, 2);
-    let hits = below(&mut app, 0.0, 0.0);
+    let hits = all_below(&mut app, 0.0, 0.0);
     let mut parts = app
         .world_mut()
         .query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphPhysicsCollider>)>();

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_morph_avian::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
-use crate::support::{DT, app, below, body, is_asleep, place, population, run, set_weights, velocity};
+use crate::support::{DT, all_below, app, body, is_asleep, place, population, run, set_weights, velocity};
 
 /// A sheet of which joint 0 moves the side at -x, joint 1 the side at +x, and both the part near the origin. The place of its own
 /// entity does not matter.
@@ -72,7 +72,7 @@ fn a_box_on_a_joint_that_rises_and_slides_is_carried() {
             assert!(speed.distance(Vec3::new(1.0, 0.5, 0.0)) < 0.02, "{speed} in step {i}");
         }
     }
-    let hits = below(&mut app, -1.0, 1.0);
+    let hits = all_below(&mut app, -1.0, 1.0);
     assert!(hits.len() == 1 && (hits[0].1 - 0.75).abs() < 1e-4, "{hits:?}");
 }
 

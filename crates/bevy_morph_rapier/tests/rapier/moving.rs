@@ -9,42 +9,6 @@ use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
 use crate::support::{app, global, place, run, set_weights, spawn, truth, velocity};
 
-/// A sheet, and a body on it that has come to rest.
-fn on_the_sheet(collider: Collider, height: f32) -> (App, Entity, Entity) {
-    let mut app = app();
-    let sheet = spawn(&mut app, &sheet(32), ());
-    settle(&mut app);
-    let body = body(&mut app, collider, Vec3::new(0.1, height, 0.05));
-    run(&mut app, 60);
-    let rests = place(&app, body);
-    assert!((rests.y - 0.5).abs() < 1e-2, "it rests at {rests}");
-    (app, sheet, body)
-}
-
-#[test]
-fn a_ball_on_a_rising_surface_has_its_velocity() {
-    let (mut app, sheet, ball) = on_the_sheet(Collider::ball(0.5), 0.52);
-    for i in 1..=120 {
-        let height = 0.5 * DT * i as f32;
-        set_weights(&mut app, sheet, &[height, 0.0]);
-        run(&mut app, 1);
-        if i > 10 {
-            let (gap, speed) = (place(&app, ball).y - 0.5 - height, velocity(&app, ball).y);
-            assert!(gap.abs() < 1e-2, "gap {gap} in step {i}");
-            assert!((speed - 0.5).abs() < 0.025, "velocity {speed} in step {i}");
-        }
-    }
-    for i in 1..=120 {
-        let height = 1.0 - 0.5 * DT * i as f32;
-        set_weights(&mut app, sheet, &[height, 0.0]);
-        run(&mut app, 1);
-        if i > 30 {
-            let gap = place(&app, ball).y - 0.5 - height;
-            assert!(gap.abs() < 1e-2, "gap {gap} in step {i} down");
-        }
-    }
-}
-
 #[test]
 fn what_is_swept_rises_with_the_surface_below_it() {
     for shape in [
@@ -76,53 +40,6 @@ fn what_is_swept_rises_with_the_surface_below_it() {
 }
 
 #[test]
-fn a_box_on_a_sliding_surface_is_carried() {
-    let (mut app, sheet, cuboid) = on_the_sheet(Collider::cuboid(0.5, 0.5, 0.5), 0.51);
-    for i in 1..=120 {
-        set_weights(&mut app, sheet, &[0.0, DT * i as f32]);
-        run(&mut app, 1);
-    }
-    let speed = velocity(&app, cuboid).x;
-    assert!((speed - 1.0).abs() < 0.05, "velocity {speed}");
-    let lag = 2.0 + 0.1 - place(&app, cuboid).x;
-    assert!(lag.abs() < 0.15, "behind by {lag}");
-}
-
-#[test]
-fn a_slap_throws_a_ball() {
-    let (mut app, sheet, ball) = on_the_sheet(Collider::ball(0.5), 0.52);
-    // Rises by 0.5 within a tenth of a second.
-    for i in 1..=6 {
-        set_weights(&mut app, sheet, &[i as f32 / 12.0, 0.0]);
-        run(&mut app, 1);
-    }
-    let speed = velocity(&app, ball).y;
-    assert!((4.0..6.0).contains(&speed), "thrown at {speed}");
-    let mut highest: f32 = 0.0;
-    for _ in 0..60 {
-        run(&mut app, 1);
-        highest = highest.max(place(&app, ball).y);
-    }
-    assert!((1.7..3.0).contains(&highest), "thrown to {highest}");
-}
-
-#[test]
-fn a_jump_does_not_throw() {
-    for jump in [0.05, 0.2, 0.4] {
-        let (mut app, sheet, ball) = on_the_sheet(Collider::ball(0.5), 0.52);
-        set_weights(&mut app, sheet, &[jump, 0.0]);
-        let mut highest: f32 = 0.0;
-        for _ in 0..120 {
-            run(&mut app, 1);
-            highest = highest.max(place(&app, ball).y);
-        }
-        assert!(highest < 0.6 + jump, "thrown to {highest} by {jump}");
-        let rests = place(&app, ball).y;
-        assert!((rests - 0.5 - jump).abs() < 1e-2, "it rests at {rests} after {jump}");
-    }
-}
-
-#[test]
 fn contacts_of_what_rested_follow_a_surface_that_tilts_in_place() {
     let mut app = app();
     let corners = vec![
@@ -145,25 +62,6 @@ fn contacts_of_what_rested_follow_a_surface_that_tilts_in_place() {
     run(&mut app, 60);
     let height = place(&app, cuboid).y;
     assert!(height > 0.85, "{height}");
-}
-
-#[test]
-fn a_sleeping_body_wakes_when_the_surface_comes_or_goes() {
-    for direction in [1.0, -1.0] {
-        let (mut app, sheet, cuboid) = on_the_sheet(Collider::cuboid(0.5, 0.5, 0.5), 0.51);
-        app.world_mut().entity_mut(cuboid).insert(Sleeping::default());
-        run(&mut app, 300);
-        let asleep = |app: &App| app.world().entity(cuboid).get::<Sleeping>().unwrap().sleeping;
-        assert!(asleep(&app));
-        for i in 1..=60 {
-            set_weights(&mut app, sheet, &[direction * 0.5 * DT * i as f32, 0.0]);
-            run(&mut app, 1);
-            assert!(!asleep(&app), "asleep in step {i}");
-        }
-        run(&mut app, 10);
-        let height = place(&app, cuboid).y;
-        assert!((height - 0.5 - 0.5 * direction).abs() < 1e-2, "{height}");
-    }
 }
 
 /// A bowl that waves slowly.
@@ -204,27 +102,6 @@ fn a_ball_stays_on_a_surface_that_morphs_slowly() {
         }
     }
     assert!(worst < 1e-2, "off the surface by {worst}");
-}
-
-#[test]
-fn what_lies_on_a_growing_surface_moves_as_its_own_place_does() {
-    // Stretches by 1 per second along x: at x = 3 the surface slides at 3/s, at x = -1 at -1/s.
-    let mut mesh = sheet(32);
-    mesh.targets = vec![mesh.positions.iter().map(|p| Vec3::X * p.x).collect()];
-    let mut app = app();
-    let surface = spawn(&mut app, &mesh, ());
-    settle(&mut app);
-    let small = |app: &mut App, x: f32| body(app, Collider::cuboid(0.1, 0.1, 0.1), Vec3::new(x, 0.11, 0.3));
-    let cuboids = [-2.0, -1.0, 1.0, 3.0].map(|x| (x, small(&mut app, x)));
-    run(&mut app, 30);
-    for i in 1..=30 {
-        set_weights(&mut app, surface, &[0.2 * DT * i as f32]);
-        run(&mut app, 1);
-    }
-    for (x, cuboid) in cuboids {
-        let speed = velocity(&app, cuboid).x;
-        assert!((speed - 0.2 * x).abs() < 0.05 * (0.2 * x).abs(), "at {x}: {speed}");
-    }
 }
 
 #[test]

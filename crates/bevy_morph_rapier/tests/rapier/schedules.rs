@@ -1,24 +1,14 @@
-//! Rapier in any schedule, and plugins in any order: it works, or the log says what to write.
+//! Ways to put an app together that only Rapier has, besides those of every engine.
 
-use bevy::app::MainScheduleOrder;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 
-use crate::any_engine::schedules::{
-    Broken, Own, Setup, ball_on_a_sheet, is_told_once, works_in_any_schedule_and_in_any_order,
-};
-use crate::log::Errors;
-use crate::support::place;
+use crate::any_engine::schedules::{Broken, Setup};
 
 type Rapier = RapierPhysicsPlugin<NoUserData>;
-
-fn own_in_fixed_update(app: &mut App) {
-    app.init_schedule(Own)
-        .add_systems(FixedUpdate, |world: &mut World| world.run_schedule(Own));
-}
 
 fn set_up_by_hand(app: &mut App, schedule: impl ScheduleLabel + Clone) {
     for set in [
@@ -40,25 +30,9 @@ fn set_up_by_hand(app: &mut App, schedule: impl ScheduleLabel + Clone) {
     .init_resource::<TimestepMode>();
 }
 
-const SETUPS: &[Setup] = &[
-    ("the group after Rapier", |app| {
-        app.add_plugins((Rapier::default(), MorphPlugins, MorphRapierPlugin));
-    }),
-    ("the group before Rapier", |app| {
-        app.add_plugins((MorphPlugins, MorphRapierPlugin, Rapier::default()));
-    }),
+pub(crate) const MORE_SETUPS: &[Setup] = &[
     ("in the fixed schedule", |app| {
         app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins, MorphRapierPlugin));
-    }),
-    ("in the fixed schedule, the group before Rapier", |app| {
-        app.add_plugins((MorphPlugins, MorphRapierPlugin, Rapier::default().in_fixed_schedule()));
-    }),
-    ("in FixedPostUpdate, collisions in FixedUpdate", |app| {
-        let rapier = Rapier::default().in_schedule(FixedPostUpdate);
-        app.add_plugins((rapier, MorphPlugins.in_schedule(FixedUpdate), MorphRapierPlugin));
-    }),
-    ("in Update", |app| {
-        app.add_plugins((Rapier::default().in_schedule(Update), MorphPlugins, MorphRapierPlugin));
     }),
     ("in PreUpdate", |app| {
         app.add_plugins((
@@ -69,24 +43,6 @@ const SETUPS: &[Setup] = &[
     }),
     ("in Last", |app| {
         app.add_plugins((Rapier::default().in_schedule(Last), MorphPlugins, MorphRapierPlugin));
-    }),
-    ("in a schedule within the fixed ones", |app| {
-        own_in_fixed_update(app);
-        app.add_plugins((Rapier::default().in_schedule(Own), MorphPlugins, MorphRapierPlugin));
-    }),
-    ("in a schedule of the main loop", |app| {
-        app.init_schedule(Own);
-        app.world_mut()
-            .resource_mut::<MainScheduleOrder>()
-            .insert_after(Update, Own);
-        app.add_plugins((MorphPlugins, MorphRapierPlugin, Rapier::default().in_schedule(Own)));
-    }),
-    ("single plugins, named schedule", |app| {
-        app.add_plugins((
-            MorphRapierPlugin.in_schedule(FixedUpdate),
-            MorphCollisionPlugin,
-            Rapier::default().in_fixed_schedule(),
-        ));
     }),
     ("systems added by hand, before", |app| {
         app.add_plugins(Rapier::default().with_default_system_setup(false));
@@ -103,55 +59,7 @@ const SETUPS: &[Setup] = &[
     }),
 ];
 
-#[test]
-fn it_works_in_any_schedule_and_in_any_order() {
-    works_in_any_schedule_and_in_any_order(SETUPS);
-}
-
-#[test]
-fn a_wrong_schedule_is_put_right_and_the_log_says_what_to_write() {
-    Errors::collect(|errors| {
-        let (app, _, ball) = ball_on_a_sheet(|app| {
-            let wrong = MorphRapierPlugin.in_schedule(PostUpdate);
-            app.add_plugins((Rapier::default().in_fixed_schedule(), MorphPlugins, wrong));
-        });
-        assert!((place(&app, ball).y - 0.5).abs() < 1e-2);
-        let said = errors.take_warnings();
-        assert_eq!(said.len(), 1, "{said:?}");
-        assert!(said[0].contains("write MorphRapierPlugin alone"), "{said:?}");
-        assert!(said[0].contains("FixedUpdate"), "{said:?}");
-    });
-}
-
-const BROKEN: &[Broken] = &[
-    (
-        "neither Rapier nor the plugin for it",
-        |app| {
-            app.add_plugins(MorphPlugins);
-        },
-        "MorphRapierPlugin",
-    ),
-    (
-        "no plugin for Rapier",
-        |app| {
-            app.add_plugins((Rapier::default(), MorphCollisionPlugin));
-        },
-        "MorphRapierPlugin",
-    ),
-    (
-        "the single plugin without Rapier",
-        |app| {
-            app.add_plugins((MorphRapierPlugin, MorphCollisionPlugin));
-        },
-        "RapierPhysicsPlugin",
-    ),
-    (
-        "without collisions",
-        |app| {
-            app.add_plugins((Rapier::default(), MorphRapierPlugin));
-        },
-        "MorphCollisionPlugin",
-    ),
+pub(crate) const MORE_BROKEN: &[Broken] = &[
     (
         "Rapier's systems nowhere",
         |app| {
@@ -173,8 +81,3 @@ const BROKEN: &[Broken] = &[
         "MorphRapierPlugin.in_schedule(FixedUpdate)",
     ),
 ];
-
-#[test]
-fn what_cannot_work_is_told_once() {
-    is_told_once(BROKEN);
-}

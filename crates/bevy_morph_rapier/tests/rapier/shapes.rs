@@ -182,7 +182,7 @@ fn a_collider_that_is_not_asked_into_physics_any_more_has_nothing_there() {
     let mesh = spawn(&mut app, &sheet(4), ());
     settle(&mut app);
     assert!(app.world().entity(mesh).contains::<Collider>());
-    assert_eq!(population(&mut app), (0, 1));
+    assert_eq!(population(&mut app), (1, 0));
     assert_eq!(below(&mut app, 0.1, 0.2).map(|(entity, _)| entity), Some(mesh));
     app.world_mut().entity_mut(mesh).remove::<MorphPhysicsCollider>();
     // At once and for good, although it is still a collider of the collision plugin.

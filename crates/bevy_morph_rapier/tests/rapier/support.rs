@@ -1,24 +1,27 @@
 //! An app with physics, morphing meshes in it, and their true shapes.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use bevy::ecs::message::MessageCursor;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
-use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet};
 use bevy_rapier3d::prelude::*;
+pub(crate) use bevy_rapier3d::prelude::{
+    Collider, ColliderDisabled, CollidingEntities, Friction, GravityScale, LockedAxes, Sensor,
+};
 use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
-use morph_collision_workspace::physics::{self, bevy_mesh, settle, sheet, state};
+use morph_collision_workspace::physics::{self, state};
 pub(crate) use morph_collision_workspace::physics::{Method, body};
 
-use crate::log::{Errors, run_here};
+pub(crate) use crate::any_engine::common::*;
+use crate::log::run_here;
+pub(crate) use crate::schedules::{MORE_BROKEN, MORE_SETUPS};
 
 pub(crate) fn app() -> App {
     let mut app = physics::app(Path::new("../.."));
@@ -26,26 +29,99 @@ pub(crate) fn app() -> App {
     app
 }
 
-/// A mesh in physics, at rest.
-pub(crate) fn spawn(app: &mut App, mesh: &MorphMesh, more: impl Bundle) -> Entity {
-    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh));
-    let weights = MeshMorphWeights::Value {
-        weights: vec![0.0; mesh.targets.len()],
-    };
-    let collider = MorphPhysicsCollider::default();
-    app.world_mut().spawn((Mesh3d(handle), weights, collider, more)).id()
-}
-
-/// A ball.
 pub(crate) fn ball(radius: f32) -> Collider {
     Collider::ball(radius)
 }
 
-pub(crate) fn set_weights(app: &mut App, entity: Entity, weights: &[f32]) {
-    let weights = MeshMorphWeights::Value {
-        weights: weights.to_vec(),
-    };
-    app.world_mut().entity_mut(entity).insert(weights);
+/// A box with these half-extents.
+pub(crate) fn cuboid(half: Vec3) -> Collider {
+    Collider::cuboid(half.x, half.y, half.z)
+}
+
+pub(crate) fn trimesh(positions: &[Vec3], triangles: &[[u32; 3]]) -> Collider {
+    Collider::trimesh(positions.to_vec(), triangles.to_vec()).expect("it has triangles")
+}
+
+/// Shapes that are 0.4 wide.
+pub(crate) fn shapes() -> [Collider; 5] {
+    let corners: Vec<Vec3> = box_mesh(Vec3::splat(0.2)).positions;
+    [
+        Collider::ball(0.2),
+        Collider::cuboid(0.2, 0.2, 0.2),
+        Collider::capsule_y(0.1, 0.1),
+        Collider::convex_hull(&corners).unwrap(),
+        Collider::compound(vec![(Vec3::ZERO, Quat::IDENTITY, Collider::cuboid(0.2, 0.2, 0.2))]),
+    ]
+}
+
+/// The speed at which Rapier pushes bodies apart.
+pub(crate) const DRIVEN: f32 = 3.0;
+
+/// The plugin for Rapier under a name that tests of every engine use.
+pub(crate) use bevy_morph_rapier::MorphRapierPlugin as OurPlugin;
+/// The names of the plugins.
+pub(crate) const OUR_PLUGIN: &str = "MorphRapierPlugin";
+pub(crate) const ENGINE_PLUGIN: &str = "RapierPhysicsPlugin";
+
+/// Rapier in its usual schedule.
+pub(crate) fn engine() -> RapierPhysicsPlugin<NoUserData> {
+    RapierPhysicsPlugin::default()
+}
+
+/// Rapier in this schedule.
+pub(crate) fn engine_in(schedule: impl ScheduleLabel) -> RapierPhysicsPlugin<NoUserData> {
+    engine().in_schedule(schedule)
+}
+
+/// What makes a collider fixed.
+pub(crate) fn fixed() -> impl Bundle {
+    Transform::default()
+}
+
+pub(crate) const DYNAMIC: RigidBody = RigidBody::Dynamic;
+pub(crate) const FIXED: RigidBody = RigidBody::Fixed;
+
+/// Makes masses readable.
+pub(crate) fn weighed() -> impl Bundle {
+    (ReadColliderMassProperties::default(), ReadMassProperties::default())
+}
+
+pub(crate) fn mass_of_collider(app: &App, entity: Entity) -> f32 {
+    app.world().get::<ReadColliderMassProperties>(entity).unwrap().mass
+}
+
+pub(crate) fn mass_of_body(app: &App, entity: Entity) -> f32 {
+    app.world().get::<ReadMassProperties>(entity).unwrap().mass
+}
+
+/// Whether the collider of an entity is in Rapier.
+pub(crate) fn is_attached(app: &App, entity: Entity) -> bool {
+    app.world().get::<RapierColliderHandle>(entity).is_some()
+}
+
+/// The velocity of a body.
+pub(crate) fn flying(velocity: Vec3) -> impl Bundle {
+    Velocity::linear(velocity)
+}
+
+/// What makes Rapier report the contacts of an entity.
+pub(crate) fn listening() -> impl Bundle {
+    (ActiveEvents::COLLISION_EVENTS, CollidingEntities::default())
+}
+
+pub(crate) fn colliding(app: &App, entity: Entity) -> Vec<Entity> {
+    app.world().get::<CollidingEntities>(entity).unwrap().iter().collect()
+}
+
+pub(crate) fn is_asleep(app: &App, entity: Entity) -> bool {
+    app.world().get::<Sleeping>(entity).is_some_and(|it| it.sleeping)
+}
+
+/// Waits until a body sleeps.
+pub(crate) fn fall_asleep(app: &mut App, body: Entity) {
+    app.world_mut().entity_mut(body).insert(Sleeping::default());
+    run(app, 300);
+    assert!(is_asleep(app, body));
 }
 
 pub(crate) fn place(app: &App, entity: Entity) -> Vec3 {
@@ -56,23 +132,14 @@ pub(crate) fn velocity(app: &App, entity: Entity) -> Vec3 {
     state(app, entity).1
 }
 
-pub(crate) fn run(app: &mut App, frames: usize) {
-    for _ in 0..frames {
-        app.update();
-    }
-}
-
-pub(crate) fn diagnostics(app: &App) -> MorphPhysicsDiagnostics {
-    *app.world().resource::<MorphPhysicsDiagnostics>()
-}
-
-/// The numbers of bodies and colliders in Rapier.
+/// The number of all colliders in Rapier, and of the bodies that are parts.
 pub(crate) fn population(app: &mut App) -> (usize, usize) {
-    let mut contexts = app
-        .world_mut()
-        .query::<(&RapierRigidBodySet, &RapierContextColliders)>();
-    let (bodies, colliders) = contexts.single(app.world()).expect("there is one context");
-    (bodies.bodies.len(), colliders.colliders.len())
+    let world = app.world_mut();
+    let mut contexts = world.query::<(&RapierRigidBodySet, &RapierContextColliders)>();
+    let (bodies, colliders) = contexts.single(world).expect("there is one context");
+    let (bodies, colliders) = (bodies.bodies.len(), colliders.colliders.len());
+    let of_the_game = world.query::<&RapierRigidBodyHandle>().iter(world).count();
+    (colliders, bodies - of_the_game)
 }
 
 /// Runs a system once that queries Rapier.
@@ -100,11 +167,10 @@ pub(crate) fn global(app: &App, entity: Entity) -> GlobalTransform {
 pub(crate) struct Log {
     cursor: MessageCursor<CollisionEvent>,
     pub(crate) started: Vec<(Entity, Entity)>,
-    pub(crate) stopped: Vec<(Entity, Entity)>,
+    pub(crate) ended: Vec<(Entity, Entity)>,
 }
 
 impl Log {
-    /// A log that skips earlier events.
     pub(crate) fn from_now(app: &App) -> Self {
         let mut log = Self::default();
         log.cursor.clear(app.world().resource());
@@ -118,30 +184,12 @@ impl Log {
             for event in self.cursor.read(app.world().resource()) {
                 match *event {
                     CollisionEvent::Started(a, b, _) => self.started.push((a.min(b), a.max(b))),
-                    CollisionEvent::Stopped(a, b, _) => self.stopped.push((a.min(b), a.max(b))),
+                    CollisionEvent::Stopped(a, b, _) => self.ended.push((a.min(b), a.max(b))),
                 }
             }
         }
     }
 }
-
-pub(crate) fn pair(a: Entity, b: Entity) -> (Entity, Entity) {
-    (a.min(b), a.max(b))
-}
-
-/// A sheet with a ball at rest on it.
-pub(crate) fn ball_on_sheet() -> (App, Entity, Entity) {
-    let mut app = app();
-    let surface = spawn(&mut app, &sheet(16), ());
-    settle(&mut app);
-    let ball = body(&mut app, Collider::ball(0.3), BALL);
-    run(&mut app, 30);
-    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
-    (app, surface, ball)
-}
-
-/// Where [`ball_on_sheet`] puts the ball.
-pub(crate) const BALL: Vec3 = Vec3::new(0.1, 0.31, 0.05);
 
 /// Moves a body elsewhere, at rest.
 pub(crate) fn put(app: &mut App, body: Entity, at: Vec3) {
@@ -156,46 +204,4 @@ pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Option<(Entity, f32)> {
         context.cast_ray(Vec3::new(x, 5.0, z), -Vec3::Y, 100.0, true, QueryFilter::default())
     });
     hit.map(|(entity, distance)| (entity, 5.0 - distance))
-}
-
-/// A closed box around the origin, each side split into many triangles. Its targets: all of it rises by 1, only its upper side
-/// rises, its upper side slides by 1 along `+X`, and its upper side moves down by 1.
-pub(crate) fn slab(half: Vec3) -> MorphMesh {
-    slab_cut(half, 4)
-}
-
-/// The same, with each side split into four this many times.
-pub(crate) fn slab_cut(half: Vec3, times: usize) -> MorphMesh {
-    let mut mesh = box_mesh(half);
-    for _ in 0..times {
-        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
-        let mut finer = Vec::new();
-        for &[a, b, c] in &mesh.triangles {
-            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-                *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
-                    mesh.positions
-                        .push(mesh.positions[from as usize].midpoint(mesh.positions[to as usize]));
-                    mesh.positions.len() as u32 - 1
-                })
-            });
-            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        mesh.triangles = finer;
-    }
-    let upper = |way: Vec3| {
-        let moved = move |p: &Vec3| if p.y > 0.0 { way } else { Vec3::ZERO };
-        mesh.positions.iter().map(moved).collect::<Vec<_>>()
-    };
-    let all = |way: Vec3| vec![way; mesh.positions.len()];
-    mesh.targets = vec![all(Vec3::Y), upper(Vec3::Y), upper(Vec3::X), upper(-Vec3::Y)];
-    mesh.target_names = ["rise", "thicken", "slide", "thin"].map(String::from).to_vec();
-    mesh
-}
-
-/// Runs a test's body and collects the errors that it logs.
-///
-/// While there is only one collector, `tracing` asks the first thread that reaches a message whether anybody wants it, and that
-/// may be another test's thread. With two collectors it asks for each thread.
-pub(crate) fn collect_errors(body: impl FnOnce(&Errors)) {
-    Errors::collect(|_| Errors::collect(body));
 }

@@ -173,10 +173,10 @@ fn heard(
 #[test]
 fn hooks_of_others_do_not_disturb_events() {
     let (log, pair) = heard(1, [false, true], 0.0, |_, _| {});
-    assert_eq!((log.started, log.stopped), (vec![pair], vec![pair]));
+    assert_eq!((log.started, log.ended), (vec![pair], vec![pair]));
     // Anything may come near between substeps, so events may repeat.
     let (log, pair) = heard(2, [false, true], 0.0, |_, _| {});
-    assert!(log.started.contains(&pair) && log.stopped.contains(&pair));
+    assert!(log.started.contains(&pair) && log.ended.contains(&pair));
 }
 
 #[test]
@@ -192,8 +192,8 @@ fn with_hooks_of_its_own_the_last_event_is_right() {
         touching += usize::from(touches);
     });
     assert!(touching > 30, "{touching}");
-    assert!(log.started.iter().chain(&log.stopped).all(|&heard| heard == pair));
-    assert!(!log.started.is_empty() && !log.stopped.is_empty());
+    assert!(log.started.iter().chain(&log.ended).all(|&heard| heard == pair));
+    assert!(!log.started.is_empty() && !log.ended.is_empty());
 }
 
 #[test]

@@ -120,12 +120,12 @@ fn after_it_came_to_rest_it_sleeps_and_wakes() {
         app.world_mut().entity_mut(body).insert(Sleeping::default());
     }
     run(&mut app, 1);
-    let (bodies, _) = population(&mut app);
+    let (_, parts) = population(&mut app);
     rise(&mut app, surface, 60, 0.3);
-    assert!(population(&mut app).0 > bodies);
+    assert!(population(&mut app).1 > parts);
     run(&mut app, 180);
     assert!(is_asleep(&app, surface) && is_asleep(&app, cuboid));
-    assert_eq!(population(&mut app).0, bodies, "parts are left behind");
+    assert_eq!(population(&mut app).1, parts, "parts are left behind");
     assert!((place(&app, cuboid).y - 1.1).abs() < 1e-2, "{}", place(&app, cuboid));
     set_weights(&mut app, surface, &[0.0, 0.31, 0.0, 0.0]);
     run(&mut app, 3);

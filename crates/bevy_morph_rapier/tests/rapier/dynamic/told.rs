@@ -36,7 +36,7 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
     morph(&mut log, &mut app, 90);
     assert!(diagnostics(&app).parts > 1);
     assert_eq!(
-        (log.started.clone(), log.stopped.clone()),
+        (log.started.clone(), log.ended.clone()),
         (vec![pair(surface, cuboid)], vec![])
     );
     cursor.clear(app.world().resource());
@@ -64,7 +64,7 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
     log.run(&mut app, 1, |app, _| put(app, cuboid, Vec3::new(0.0, 4.0, 0.0)));
     log.run(&mut app, 3, |_, _| {});
     assert_eq!(
-        (log.started, log.stopped),
+        (log.started, log.ended),
         (vec![pair(surface, cuboid)], vec![pair(surface, cuboid)])
     );
 }

@@ -11,98 +11,8 @@ use morph_collision_models::generated::rigid::box_mesh;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, body, settle};
 
-use crate::support::{app, place, run, set_weights, slab, spawn, velocity};
-
-const SOLID: MorphPhysicsCollider = MorphPhysicsCollider {
-    max_acceleration: 100.0,
-    solid: true,
-};
-
-/// The speed at which Rapier pushes bodies apart, and the speed at which bodies leave the inside.
-const DRIVEN: f32 = 3.0;
-const LEAVES: f32 = 1.0;
-
-const SLAB: Vec3 = Vec3::new(2.0, 0.5, 2.0);
-
-/// A slab in physics, solid or not.
-fn with_slab(half: Vec3, solid: bool, more: impl Bundle) -> (App, Entity) {
-    let mut app = app();
-    let slab = spawn(&mut app, &slab(half), more);
-    app.world_mut()
-        .entity_mut(slab)
-        .insert(MorphPhysicsCollider { solid, ..SOLID });
-    settle(&mut app);
-    (app, slab)
-}
-
-fn floating(app: &mut App, collider: Collider, at: Vec3) -> Entity {
-    let body = body(app, collider, at);
-    app.world_mut().entity_mut(body).insert(GravityScale(0.0));
-    body
-}
-
-/// How deep a point is inside a slab, over all axes; negative outside.
-fn depth(at: Vec3, half: Vec3) -> f32 {
-    (half - at.abs()).min_element()
-}
-
-/// Shapes that are 0.4 wide.
-fn shapes() -> [Collider; 5] {
-    let corners: Vec<Vec3> = box_mesh(Vec3::splat(0.2)).positions;
-    [
-        Collider::ball(0.2),
-        Collider::cuboid(0.2, 0.2, 0.2),
-        Collider::capsule_y(0.1, 0.1),
-        Collider::convex_hull(&corners).unwrap(),
-        Collider::compound(vec![(Vec3::ZERO, Quat::IDENTITY, Collider::cuboid(0.2, 0.2, 0.2))]),
-    ]
-}
-
-/// Lets a body leave. Returns after how many steps it is out and away, its highest speed, and its speed when its middle came out.
-fn leave(app: &mut App, body: Entity, half: Vec3) -> (usize, f32, f32) {
-    let (mut fastest, mut at_the_door): (f32, Option<f32>) = (0.0, None);
-    for step in 1..=240 {
-        run(app, 1);
-        let speed = velocity(app, body).length();
-        fastest = fastest.max(speed);
-        let depth = depth(place(app, body), half);
-        if depth < 0.0 {
-            at_the_door.get_or_insert(speed);
-        }
-        if depth < -0.19 {
-            return (step, fastest, at_the_door.unwrap_or_default());
-        }
-    }
-    panic!("it is still in, at {}", place(app, body));
-}
-
-#[test]
-fn what_is_spawned_inside_is_driven_out() {
-    for at in [
-        Vec3::new(0.1, 0.15, 0.05),
-        Vec3::new(0.1, -0.15, 0.05),
-        Vec3::new(1.6, 0.02, -0.3),
-        Vec3::new(0.0, 1e-3, 0.0),
-    ] {
-        for shape in shapes() {
-            let (mut app, _) = with_slab(SLAB, true, ());
-            let body = floating(&mut app, shape.clone(), at);
-            let (steps, fastest, leaves) = leave(&mut app, body, SLAB);
-            let way = place(&app, body) - at;
-            println!("{at}: {steps} steps, {fastest}/s, leaves at {leaves}/s, {way}");
-            assert!(steps < 60, "{steps} steps from {at}");
-            assert!(fastest < 1.02 * DRIVEN, "{fastest} from {at}");
-            assert!((0.5 * LEAVES..1.2 * LEAVES).contains(&leaves), "{leaves} from {at}");
-            // Straight out through the nearest side.
-            let nearest = if at.x > 1.0 { Vec3::X } else { Vec3::Y * at.y.signum() };
-            assert!(way.normalize().dot(nearest) > 0.99, "{way} from {at}");
-            // It continues without another push.
-            run(&mut app, 10);
-            assert!(velocity(&app, body).length() < 1.2 * LEAVES, "{}", velocity(&app, body));
-        }
-    }
-}
-
+use crate::any_engine::solid::{LEAVES, SLAB, SOLID, depth, floating, leave, with_slab};
+use crate::support::{DRIVEN, app, place, run, set_weights, slab, spawn, velocity};
 #[test]
 fn what_is_far_inside_a_large_body_finds_out() {
     let half = Vec3::splat(4.0);
@@ -131,27 +41,6 @@ fn small_things_and_bullets_are_driven_out() {
             assert!(velocity(&app, body).length() < 1.2 * LEAVES, "{}", velocity(&app, body));
         }
     }
-}
-
-#[test]
-fn what_a_jump_swallows_leaves_by_the_way_it_came() {
-    // The slab jumps up, so that the box is then nearer to its lower side.
-    let half = Vec3::new(2.0, 0.25, 2.0);
-    let (mut app, surface) = with_slab(half, true, ());
-    let cuboid = body(&mut app, Collider::cuboid(0.15, 0.15, 0.15), Vec3::new(0.1, 0.41, 0.05));
-    run(&mut app, 60);
-    assert!((place(&app, cuboid).y - 0.4).abs() < 1e-2);
-    set_weights(&mut app, surface, &[0.55, 0.0, 0.0, 0.0]);
-    let (mut fastest, mut highest): (f32, f32) = (0.0, 0.0);
-    for _ in 0..120 {
-        run(&mut app, 1);
-        fastest = fastest.max(velocity(&app, cuboid).length());
-        highest = highest.max(place(&app, cuboid).y);
-    }
-    println!("{fastest}/s, up to {highest}");
-    assert!(fastest < 1.02 * DRIVEN && highest < 1.05, "{fastest}, {highest}");
-    let rests = place(&app, cuboid).y;
-    assert!((rests - 0.95).abs() < 1e-2, "{rests}");
 }
 
 #[test]

@@ -5,8 +5,8 @@ use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle};
 
-use super::{SLAB, floating, shapes, with_slab};
-use crate::support::{Log, ask, pair, put, run, slab, spawn};
+use crate::any_engine::solid::{SLAB, floating, with_slab};
+use crate::support::{Log, ask, pair, put, run, shapes, slab, spawn};
 
 #[test]
 fn a_solid_sensor_sees_what_is_wholly_inside() {
@@ -22,7 +22,7 @@ fn a_solid_sensor_sees_what_is_wholly_inside() {
             let sees = move |context: &RapierContext| context.intersection_pair(mouth, body) == Some(true);
             assert_eq!(ask(&mut app, sees), solid);
             log.run(&mut app, 5, |app, _| put(app, body, Vec3::new(0.1, 3.0, 0.05)));
-            assert_eq!(log.stopped, expected);
+            assert_eq!(log.ended, expected);
         }
     }
 }

@@ -2,45 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_workspace::physics::{body, settle, sheet};
+use morph_collision_workspace::physics::{body, settle};
 
-use super::{SLAB, SOLID, depth, floating, leave, with_slab};
-use crate::support::{app, collect_errors, place, run, set_weights, slab, spawn};
-
-#[test]
-fn a_mesh_that_is_not_closed_is_not_solid_and_the_log_says_so_once() {
-    collect_errors(|errors| {
-        let mut app = app();
-        let open = spawn(&mut app, &sheet(16), Name::new("a sheet"));
-        app.world_mut().entity_mut(open).insert(SOLID);
-        settle(&mut app);
-        let mut warnings = errors.take_warnings();
-        let below = floating(&mut app, Collider::ball(0.3), Vec3::new(0.1, -0.31, 0.05));
-        app.world_mut().entity_mut(below).insert(Velocity::linear(Vec3::Y));
-        for i in 0..30 {
-            set_weights(&mut app, open, &[1e-3 * i as f32, 0.0]);
-            run(&mut app, 1);
-        }
-        warnings.extend(errors.take_warnings());
-        let [warning] = &warnings[..] else {
-            panic!("{warnings:?}")
-        };
-        assert!(
-            warning.contains("a sheet") && warning.contains("not closed"),
-            "{warning}"
-        );
-        // From below it is as solid as from above.
-        assert!(place(&app, below).y < -0.25, "{}", place(&app, below));
-        // A closed one gives no warning.
-        app.world_mut().despawn(open);
-        let closed = spawn(&mut app, &slab(SLAB), ());
-        app.world_mut().entity_mut(closed).insert(SOLID);
-        settle(&mut app);
-        run(&mut app, 5);
-        assert!(app.world().get::<RapierColliderHandle>(closed).is_some());
-        assert_eq!(errors.take_warnings(), [""; 0]);
-    });
-}
+use crate::any_engine::solid::{SLAB, SOLID, depth, floating, leave, with_slab};
+use crate::support::{app, place, run, set_weights, slab, spawn};
 
 #[test]
 fn mirrored_and_inverted_slabs_push_outward() {

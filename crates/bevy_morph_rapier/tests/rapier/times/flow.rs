@@ -7,25 +7,14 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle, sheet};
 
-use super::{EVERY, Frames, LENGTHS, Steps, Watched, app, begin, begin_to_watch, frames, now, range};
+use super::{EVERY, Frames, LENGTHS, Steps, Watched, app, begin, frames, now, on_a_sheet, range};
 use crate::support::{place, set_weights, spawn};
-
-/// A sheet, and a ball at rest on it.
-fn ball_on_a_sheet(steps: Steps, lengths: Frames) -> (App, Entity, Entity) {
-    let mut app = app(Path::new("."), steps);
-    let surface = spawn(&mut app, &sheet(16), ());
-    settle(&mut app);
-    let ball = body(&mut app, Collider::ball(0.5), Vec3::new(0.1, 0.5, 0.05));
-    frames(&mut app, lengths, 60);
-    begin_to_watch(&mut app, ball);
-    (app, surface, ball)
-}
 
 #[test]
 fn a_step_after_very_many_frames_sees_all_their_motion() {
     // The last one has 144 frames in each step.
     for (rate, lengths) in [(10.0, LENGTHS[0]), (4.0, LENGTHS[1]), (1.0, LENGTHS[0])] {
-        let (mut app, surface, ball) = ball_on_a_sheet(Steps::Fixed(rate), lengths);
+        let (mut app, surface, ball) = on_a_sheet(Steps::Fixed(rate), lengths, Collider::ball(0.5));
         let a_second = if matches!(lengths, Frames::Every(length) if length < 0.01) {
             144
         } else {
@@ -50,7 +39,7 @@ fn a_step_after_very_many_frames_sees_all_their_motion() {
 fn very_many_steps_in_a_frame_throw_nothing() {
     for steps in EVERY {
         let lengths = LENGTHS[1];
-        let (mut app, surface, ball) = ball_on_a_sheet(steps, lengths);
+        let (mut app, surface, ball) = on_a_sheet(steps, lengths, Collider::ball(0.5));
         app.world_mut()
             .resource_mut::<Time<Virtual>>()
             .set_max_delta(Duration::from_secs(10));
@@ -74,7 +63,7 @@ fn very_many_steps_in_a_frame_throw_nothing() {
 fn what_changes_while_time_is_set_back_throws_nothing() {
     for by in [0.02, 0.2] {
         let lengths = LENGTHS[1];
-        let (mut app, surface, ball) = ball_on_a_sheet(Steps::Fixed(64.0), lengths);
+        let (mut app, surface, ball) = on_a_sheet(Steps::Fixed(64.0), lengths, Collider::ball(0.5));
         app.insert_resource(Time::<Fixed>::from_hz(64.0));
         set_weights(&mut app, surface, &[by, 0.0]);
         frames(&mut app, lengths, 120);

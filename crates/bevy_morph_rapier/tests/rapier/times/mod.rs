@@ -25,10 +25,12 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_morph_rapier::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::physics::{body, settle, sheet};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::log::run_here;
+use crate::support::spawn;
 
 /// When physics steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,6 +124,17 @@ fn frames(app: &mut App, frames: Frames, count: usize) {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(length)));
         app.update();
     }
+}
+
+/// A sheet, and a body at rest on it that is watched from now on.
+fn on_a_sheet(steps: Steps, lengths: Frames, collider: Collider) -> (App, Entity, Entity) {
+    let mut app = app(Path::new("."), steps);
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let body = body(&mut app, collider, Vec3::new(0.1, 0.5, 0.05));
+    frames(&mut app, lengths, 60);
+    begin_to_watch(&mut app, body);
+    (app, surface, body)
 }
 
 /// Weights over time.

@@ -7,19 +7,10 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle, sheet};
 
-use super::{FRAMES, Frames, LENGTHS, STEPS, Steps, Watched, animate, app, begin, begin_to_watch, frames, now, range};
+use super::{
+    FRAMES, LENGTHS, STEPS, Steps, Watched, animate, app, begin, begin_to_watch, frames, now, on_a_sheet, range,
+};
 use crate::support::{place, spawn};
-
-/// A sheet, and a body at rest on it.
-fn on_a_sheet(steps: Steps, lengths: Frames, collider: Collider) -> (App, Entity, Entity) {
-    let mut app = app(Path::new("."), steps);
-    let surface = spawn(&mut app, &sheet(16), ());
-    settle(&mut app);
-    let body = body(&mut app, collider, Vec3::new(0.1, 0.5, 0.05));
-    frames(&mut app, lengths, 60);
-    begin_to_watch(&mut app, body);
-    (app, surface, body)
-}
 
 #[test]
 fn a_ball_rises_with_the_surface_in_every_step() {

@@ -1,24 +1,11 @@
 //! Jumps, long frames, pauses and slow motion.
 
-use std::path::Path;
-
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_workspace::physics::{body, settle, sheet};
+use morph_collision_workspace::physics::body;
 
-use super::{Frames, LENGTHS, STEPS, Steps, Watched, app, begin, begin_to_watch, frames, now, range};
-use crate::support::{place, spawn};
-
-/// A sheet, and a ball at rest on it.
-fn ball_on_a_sheet(steps: Steps, lengths: Frames) -> (App, Entity, Entity) {
-    let mut app = app(Path::new("."), steps);
-    let surface = spawn(&mut app, &sheet(16), ());
-    settle(&mut app);
-    let ball = body(&mut app, Collider::ball(0.5), Vec3::new(0.1, 0.5, 0.05));
-    frames(&mut app, lengths, 60);
-    begin_to_watch(&mut app, ball);
-    (app, surface, ball)
-}
+use super::{Frames, LENGTHS, STEPS, Steps, Watched, begin, frames, now, on_a_sheet, range};
+use crate::support::place;
 
 #[test]
 fn a_jump_between_two_frames_does_not_throw() {
@@ -26,7 +13,7 @@ fn a_jump_between_two_frames_does_not_throw() {
         for lengths in LENGTHS {
             let jumps: [(f32, super::Weights); 2] = [(0.2, |_| [0.2, 0.0]), (0.4, |_| [0.4, 0.0])];
             for (jump, weights) in jumps {
-                let (mut app, surface, ball) = ball_on_a_sheet(steps, lengths);
+                let (mut app, surface, ball) = on_a_sheet(steps, lengths, Collider::ball(0.5));
                 begin(&mut app, surface, weights);
                 frames(&mut app, lengths, 120);
                 let steps_seen = &app.world().resource::<Watched>().steps;
@@ -49,7 +36,7 @@ fn a_jump_between_two_frames_does_not_throw() {
 fn a_slap_of_several_frames_throws() {
     for steps in [Steps::Fixed(64.0), Steps::Interpolated] {
         for lengths in LENGTHS {
-            let (mut app, surface, _) = ball_on_a_sheet(steps, lengths);
+            let (mut app, surface, _) = on_a_sheet(steps, lengths, Collider::ball(0.5));
             // Rises by 0.5 within a tenth of a second.
             begin(&mut app, surface, |time| [(5.0 * time).min(0.5), 0.0]);
             frames(&mut app, lengths, 60);
@@ -67,7 +54,7 @@ fn a_slap_of_several_frames_throws() {
 fn an_entity_that_is_put_elsewhere_is_never_in_between() {
     for steps in [Steps::Fixed(64.0), Steps::Interpolated] {
         for lengths in LENGTHS {
-            let (mut app, surface, _) = ball_on_a_sheet(steps, lengths);
+            let (mut app, surface, _) = on_a_sheet(steps, lengths, Collider::ball(0.5));
             // Balls all along the way. The sheet would push them out, and nothing else moves them.
             let at = [7.0, 14.0, 21.0, 28.0, 34.0].map(|x| Vec3::new(x, 0.3, 0.0));
             let between = at.map(|at| {
@@ -92,7 +79,7 @@ fn an_entity_that_is_put_elsewhere_is_never_in_between() {
 fn a_long_frame_does_not_throw() {
     for steps in [Steps::Fixed(64.0), Steps::Interpolated] {
         for lengths in LENGTHS {
-            let (mut app, surface, ball) = ball_on_a_sheet(steps, lengths);
+            let (mut app, surface, ball) = on_a_sheet(steps, lengths, Collider::ball(0.5));
             let since = begin(&mut app, surface, |time| [0.5 * time, 0.0]);
             frames(&mut app, lengths, 150);
             frames(&mut app, Frames::Every(0.2), 1);
@@ -123,7 +110,7 @@ fn a_long_frame_does_not_throw() {
 fn a_pause_is_no_motion_and_slow_motion_is_slow() {
     for steps in STEPS {
         let lengths = Frames::Every(1.0 / 50.0);
-        let (mut app, surface, ball) = ball_on_a_sheet(steps, lengths);
+        let (mut app, surface, ball) = on_a_sheet(steps, lengths, Collider::ball(0.5));
         begin(&mut app, surface, |time| [0.5 * time, 0.0]);
         frames(&mut app, lengths, 100);
         app.world_mut().resource_mut::<Time<Virtual>>().pause();
@@ -145,7 +132,7 @@ fn a_pause_is_no_motion_and_slow_motion_is_slow() {
 fn weights_that_cannot_be_used_keep_the_last_good_ones() {
     for steps in STEPS {
         let lengths = Frames::Every(1.0 / 60.0);
-        let (mut app, surface, ball) = ball_on_a_sheet(steps, lengths);
+        let (mut app, surface, ball) = on_a_sheet(steps, lengths, Collider::ball(0.5));
         // The last good frame is far from the one before, and steps see the interpolation between them first.
         begin(&mut app, surface, |time| match time {
             0.0..0.495 => [0.0, 0.0],

@@ -7,9 +7,13 @@
 //!
 //! For your game, replace `HILL`, `CLIP` and `rain`. Your `Cargo.toml` needs `bevy_morph_collision = "0.2"` and `bevy_morph_avian = "0.2"`.
 
+use std::collections::VecDeque;
+use std::time::Duration;
+
 use avian3d::prelude::*;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
+use bevy::time::common_conditions::on_timer;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_avian::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -32,7 +36,8 @@ pub(crate) fn game(app: &mut App) {
     app.add_systems(Startup, set_up)
         .add_systems(
             Update,
-            rain.run_if(|physics: Res<MorphPhysicsDiagnostics>| physics.surfaces > 0),
+            rain.run_if(|physics: Res<MorphPhysicsDiagnostics>| physics.surfaces > 0)
+                .run_if(on_timer(Duration::from_millis(250))),
         )
         .add_observer(play)
         .add_observer(grip);
@@ -96,32 +101,27 @@ fn grip(added: On<Add<MorphPhysicsCollider>>, mut commands: Commands) {
 
 /// Drops four crates a second along a spiral above the hill, once the hill is in physics. Despawns the oldest ones.
 fn rain(
-    time: Res<Time>,
-    mut due: Local<f32>,
     mut number: Local<u32>,
-    mut crates: Local<std::collections::VecDeque<Entity>>,
+    mut crates: Local<VecDeque<Entity>>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    *due += 4.0 * time.delta_secs();
-    while *due >= 1.0 {
-        (*due, *number) = (*due - 1.0, *number + 1);
-        let turn = 2.4 * *number as f32;
-        let reach = 0.3 + 0.1 * (*number % 12) as f32;
-        let new = commands.spawn((
-            Crate,
-            RigidBody::Dynamic,
-            Collider::cuboid(EDGE, EDGE, EDGE),
-            Mesh3d(meshes.add(Cuboid::from_length(EDGE))),
-            MeshMaterial3d(materials.add(Color::hsv(30.0 * (*number % 12) as f32, 0.6, 0.8))),
-            Transform::from_xyz(reach * turn.sin(), 5.0, reach * turn.cos()),
-        ));
-        crates.push_back(new.id());
-        if crates.len() > 60
-            && let Some(oldest) = crates.pop_front()
-        {
-            commands.entity(oldest).despawn();
-        }
+    *number += 1;
+    let turn = 2.4 * *number as f32;
+    let reach = 0.3 + 0.1 * (*number % 12) as f32;
+    let new = commands.spawn((
+        Crate,
+        RigidBody::Dynamic,
+        Collider::cuboid(EDGE, EDGE, EDGE),
+        Mesh3d(meshes.add(Cuboid::from_length(EDGE))),
+        MeshMaterial3d(materials.add(Color::hsv(30.0 * (*number % 12) as f32, 0.6, 0.8))),
+        Transform::from_xyz(reach * turn.sin(), 5.0, reach * turn.cos()),
+    ));
+    crates.push_back(new.id());
+    if crates.len() > 60
+        && let Some(oldest) = crates.pop_front()
+    {
+        commands.entity(oldest).despawn();
     }
 }

@@ -7,8 +7,11 @@
 //!
 //! For your game, replace `CHARACTER`, `CLIP` and `rain`. Your `Cargo.toml` needs `bevy_morph_collision = "0.2"` and `bevy_morph_rapier = "0.2"`.
 
+use std::time::Duration;
+
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
+use bevy::time::common_conditions::on_timer;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
 use bevy_morph_rapier::prelude::*;
@@ -31,7 +34,8 @@ pub(crate) fn game(app: &mut App) {
     app.add_systems(Startup, set_up)
         .add_systems(
             Update,
-            rain.run_if(|physics: Res<MorphPhysicsDiagnostics>| physics.surfaces > 0),
+            rain.run_if(|physics: Res<MorphPhysicsDiagnostics>| physics.surfaces > 0)
+                .run_if(on_timer(Duration::from_millis(100))),
         )
         .add_observer(play);
 }
@@ -88,8 +92,6 @@ fn play(
 
 /// Drops ten balls a second along a spiral above the head, once the character is in physics. Despawns balls that have fallen off.
 fn rain(
-    time: Res<Time>,
-    mut due: Local<f32>,
     mut number: Local<u32>,
     balls: Query<(Entity, &Transform), With<Ball>>,
     mut commands: Commands,
@@ -101,22 +103,18 @@ fn rain(
             commands.entity(ball).despawn();
         }
     }
-    *due += 10.0 * time.delta_secs();
-    while *due >= 1.0 {
-        (*due, *number) = (*due - 1.0, *number + 1);
-        let turn = 2.4 * *number as f32;
-        let (x, z) = (0.3 * turn.sin(), 0.1 + 0.15 * turn.cos());
-        commands.spawn((
-            Ball,
-            RigidBody::Dynamic,
-            Collider::ball(RADIUS),
-            Restitution {
-                coefficient: 0.5,
-                combine_rule: CoefficientCombineRule::Max,
-            },
-            Mesh3d(meshes.add(Sphere::new(RADIUS))),
-            MeshMaterial3d(materials.add(Color::hsv(30.0 * (*number % 12) as f32, 0.8, 0.9))),
-            Transform::from_xyz(x, 2.5, z),
-        ));
-    }
+    *number += 1;
+    let turn = 2.4 * *number as f32;
+    commands.spawn((
+        Ball,
+        RigidBody::Dynamic,
+        Collider::ball(RADIUS),
+        Restitution {
+            coefficient: 0.5,
+            combine_rule: CoefficientCombineRule::Max,
+        },
+        Mesh3d(meshes.add(Sphere::new(RADIUS))),
+        MeshMaterial3d(materials.add(Color::hsv(30.0 * (*number % 12) as f32, 0.8, 0.9))),
+        Transform::from_xyz(0.3 * turn.sin(), 2.5, 0.1 + 0.15 * turn.cos()),
+    ));
 }

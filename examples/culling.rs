@@ -56,7 +56,7 @@ pub fn demo() -> Demo {
 fn game(app: &mut App) {
     app.add_plugins(MorphBoundsPlugin)
         .add_systems(Startup, spawn)
-        .add_systems(Update, ((reach, sway).run_if(started), tell));
+        .add_systems(Update, ((reach, sway).run_if(started), write_notes));
 }
 
 fn spawn(
@@ -120,7 +120,7 @@ fn sway(mut arms: Query<(&Arm, &mut Transform), Without<Hand>>, clock: Res<Clock
     }
 }
 
-fn tell(arms: Query<(&Half, &ViewVisibility)>, mut notes: ResMut<Notes>) {
+fn write_notes(arms: Query<(&Half, &ViewVisibility)>, mut notes: ResMut<Notes>) {
     let drawn = |wanted: Half| {
         let arms = arms.iter().filter(|(half, seen)| **half == wanted && seen.get());
         format!("{} of {ARMS}", arms.count())

@@ -73,7 +73,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         instances.advance(app.world_mut(), frame, frames);
         app.update();
 
-        let changes = touching.follow(app.world());
+        let changes = touching.update(app.world());
         report.add(
             app.world().resource::<MorphCollisionDiagnostics>(),
             &changes,

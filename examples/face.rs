@@ -67,7 +67,7 @@ pub fn demo() -> Demo {
 fn game(app: &mut App) {
     app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphPickingPlugin))
         .add_systems(Startup, spawn)
-        .add_systems(Update, (speak.run_if(started), tell, remove_by_key::<Pin>))
+        .add_systems(Update, (speak.run_if(started), write_notes, remove_by_key::<Pin>))
         .add_observer(stick_pin);
 }
 
@@ -113,7 +113,7 @@ fn speak(
 }
 
 /// Where the face intersects itself: regions of connected triangles, which the gallery draws in red.
-fn tell(faces: Query<&MorphSelfCollisions>, mut notes: ResMut<Notes>) {
+fn write_notes(faces: Query<&MorphSelfCollisions>, mut notes: ResMut<Notes>) {
     for face in &faces {
         let pairs: usize = face.regions().iter().map(|region| region.triangles.len()).sum();
         notes.0 = vec![

@@ -43,7 +43,7 @@ pub fn demo() -> Demo {
 fn game(app: &mut App) {
     app.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin))
         .add_systems(Startup, spawn)
-        .add_systems(Update, (pass, paint, tell).run_if(started));
+        .add_systems(Update, (pass, paint, write_notes).run_if(started));
 }
 
 fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
@@ -74,7 +74,7 @@ fn pass(mut bodies: Query<(&Side, &mut Transform)>, mut weights: Query<&mut Morp
 }
 
 /// What touches now, as any system can read it.
-fn tell(collisions: Res<MorphCollisions>, mut notes: ResMut<Notes>) {
+fn write_notes(collisions: Res<MorphCollisions>, mut notes: ResMut<Notes>) {
     let pairs: usize = collisions.iter().map(|contact| contact.triangles.len()).sum();
     notes.0 = vec![("intersecting", format!("{pairs} pairs of triangles"))];
 }

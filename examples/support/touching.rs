@@ -38,7 +38,7 @@ impl Changes {
 
 impl TouchingBodies {
     /// Reads the messages of the latest frame.
-    pub fn follow(&mut self, world: &World) -> Changes {
+    pub fn update(&mut self, world: &World) -> Changes {
         let mut changes = Changes::default();
         if let Some(ends) = world.get_resource() {
             changes.ended = self.ends.read(ends).map(|end| (end.body1, end.body2)).collect();

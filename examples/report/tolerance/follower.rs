@@ -60,9 +60,9 @@ impl Follower {
         }
     }
 
-    /// Follows a collider with a tolerance in world units. Returns the largest distance of a vertex from where collisions see it,
+    /// Compares with the collider now, with a tolerance in world units, and returns the largest distance of a vertex from where collisions see it,
     /// and the bound on that distance.
-    pub(crate) fn follow(&mut self, now: &mut Now, tolerance: f64) -> (f64, f64) {
+    pub(crate) fn update(&mut self, now: &mut Now, tolerance: f64) -> (f64, f64) {
         let (pose, place) = &mut self.seen;
         let bound = Body::new(&mut now.pose, &now.place).displacement_from(Body::new(pose, place));
         let moved = self.vertices.iter().zip(&now.vertices).map(|(a, b)| a.distance(*b));

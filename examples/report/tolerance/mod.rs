@@ -168,7 +168,7 @@ impl Row {
                 followers.push(Follower::new(&now));
                 continue;
             }
-            let (moved, bound) = followers[index].follow(&mut now, f64::from(tolerance as f32 * stage.size));
+            let (moved, bound) = followers[index].update(&mut now, f64::from(tolerance as f32 * stage.size));
             held += usize::from(bound > 0.0);
             self.found = self.found.max(moved / size);
             if moved > 0.0 {

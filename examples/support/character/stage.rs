@@ -18,7 +18,7 @@ use crate::view::stage::Notes;
 pub fn plugin(app: &mut App) {
     app.add_systems(Startup, light_the_ground)
         .add_systems(PreUpdate, (wait, keep_time))
-        .add_systems(Update, (color, draw, remove_by_key::<Dart>, tell))
+        .add_systems(Update, (color, draw, remove_by_key::<Dart>, write_notes))
         .add_systems(
             PostUpdate,
             show_touching
@@ -120,7 +120,7 @@ fn stick_dart(click: On<PointerClick>, clicks: Clicks, skins: Query<(), With<Ski
     }
 }
 
-fn tell(
+fn write_notes(
     tally: Res<Tally>,
     diagnostics: Res<MorphPhysicsDiagnostics>,
     touching: Query<&HandOnFace>,

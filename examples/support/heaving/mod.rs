@@ -82,7 +82,7 @@ pub fn plugin(app: &mut App) {
             FixedUpdate,
             (
                 (player::bring_back, player::walk, rain::bring_back).before(PhysicsSet::SyncBackend),
-                (tally::follow_the_player, tally::follow_the_rain).after(PhysicsSet::Writeback),
+                (tally::count_ground, tally::find_fallen_through).after(PhysicsSet::Writeback),
             ),
         );
 }

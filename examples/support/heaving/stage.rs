@@ -21,7 +21,7 @@ pub fn plugin(app: &mut App) {
             PreUpdate,
             listen.after(bevy::input::InputSystems).run_if(not(is_typing)),
         )
-        .add_systems(Update, (begin, dress, turn, tell));
+        .add_systems(Update, (begin, dress, turn, write_notes));
 }
 
 /// Marks a show whose game has not begun.
@@ -165,7 +165,7 @@ fn turn(mut figures: Query<(&mut Smooth, &ChildOf), With<Figure>>, players: Quer
     }
 }
 
-fn tell(
+fn write_notes(
     diagnostics: Res<MorphPhysicsDiagnostics>,
     bodies: Query<(), With<Falling>>,
     grounds: Query<(&Player, &MorphCharacterGround)>,

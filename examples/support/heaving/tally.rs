@@ -32,7 +32,7 @@ impl Tally {
     }
 }
 
-pub(super) fn follow_the_player(
+pub(super) fn count_ground(
     players: Query<(&Transform, &KinematicCharacterControllerOutput, &MorphCharacterGround), With<Player>>,
     mut tally: ResMut<Tally>,
 ) {
@@ -49,7 +49,7 @@ pub(super) fn follow_the_player(
 }
 
 /// Finds bodies whose centres went through the hill's physics surface, or that the hill has risen above.
-pub(super) fn follow_the_rain(
+pub(super) fn find_fallen_through(
     mut bodies: Query<(&Transform, &mut Falling)>,
     surfaces: Query<(), With<MorphPhysicsCollider>>,
     context: ReadRapierContext,

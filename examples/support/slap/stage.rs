@@ -16,7 +16,7 @@ const KNUCKLE: &str = "middle_01_r";
 pub fn plugin(app: &mut App) {
     app.add_systems(Startup, bring_ways_to_front)
         .add_systems(PreUpdate, keep_time)
-        .add_systems(Update, (wait, color, draw_marks, tell))
+        .add_systems(Update, (wait, color, draw_marks, write_notes))
         .add_systems(PostUpdate, draw_ways.after(TransformSystems::Propagate));
 }
 
@@ -129,7 +129,7 @@ fn draw_ways(
     }
 }
 
-fn tell(tally: Res<Tally>, mut notes: ResMut<Notes>) {
+fn write_notes(tally: Res<Tally>, mut notes: ResMut<Notes>) {
     let felt = |side: Side| format!("{} of {} slaps", tally.felt[side as usize], tally.slaps);
     let last = tally.last[Side::Continuous as usize];
     let hit = last.and_then(|felt| Some((felt.share?, felt.speed)));

@@ -93,7 +93,7 @@ pub fn plugin(app: &mut App) {
     app.init_resource::<PageState>()
         .init_resource::<Hand>()
         .add_systems(Update, take)
-        .add_systems(Last, tell);
+        .add_systems(Last, update_state);
 }
 
 fn take(hand: Res<Hand>, mut sliders: ResMut<Sliders>) {
@@ -111,7 +111,7 @@ fn take(hand: Res<Hand>, mut sliders: ResMut<Sliders>) {
     }
 }
 
-fn tell(
+fn update_state(
     page_state: Res<PageState>,
     bill: Res<Playbill>,
     clock: Res<Clock>,

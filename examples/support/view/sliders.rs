@@ -32,7 +32,7 @@ pub(super) fn plugin(app: &mut App) {
         )
         .add_systems(
             PostUpdate,
-            (show, follow.run_if(|sliders: Res<Sliders>| sliders.in_hand))
+            (show, apply.run_if(|sliders: Res<Sliders>| sliders.in_hand))
                 .chain()
                 .in_set(SliderSystems),
         );
@@ -73,7 +73,7 @@ fn show(
     }
 }
 
-fn follow(sliders: Res<Sliders>, mut shared: Query<&mut MorphWeights>, mut own: Query<&mut MeshMorphWeights>) {
+fn apply(sliders: Res<Sliders>, mut shared: Query<&mut MorphWeights>, mut own: Query<&mut MeshMorphWeights>) {
     let take = |weights: &mut [f32]| {
         for (weight, slider) in weights.iter_mut().zip(&sliders.weights) {
             *weight = slider.1;

@@ -9,23 +9,27 @@ use crate::reference::at;
 #[test]
 fn an_anchor_from_a_hit_or_a_projection_is_at_its_point_and_follows_it() {
     for case in bodies::generated().into_iter().take(4) {
-        let place = case.world_from_model();
+        let world_from_model = case.world_from_model();
         let mut pose = case.poses().swap_remove(0);
-        let center = place.transform_point(Vec3::ZERO);
+        let center = world_from_model.transform_point(Vec3::ZERO);
         for direction in [DVec3::X, DVec3::new(-1.0, 0.5, 0.2), DVec3::NEG_Z] {
             let ray = Ray::new(center, direction, f64::INFINITY).unwrap();
-            let Some(hit) = RayQuery::new().closest(Body::new(&mut pose, &place), &ray) else {
+            let Some(hit) = RayQuery::new().closest(Body::new(&mut pose, &world_from_model), &ray) else {
                 continue;
             };
             let closest = ShapeQuery::new()
-                .closest_point(Body::new(&mut pose, &place), center + 10.0 * direction, f64::INFINITY)
+                .closest_point(
+                    Body::new(&mut pose, &world_from_model),
+                    center + 10.0 * direction,
+                    f64::INFINITY,
+                )
                 .unwrap()
                 .unwrap();
             for (anchor, point) in [
                 (SurfaceAnchor::from(&hit), hit.point),
                 (SurfaceAnchor::from(&closest), closest.point),
             ] {
-                let here = anchor.point(Body::new(&mut pose, &place)).unwrap();
+                let here = anchor.point(Body::new(&mut pose, &world_from_model)).unwrap();
                 assert!(
                     (here - point).length() < 1e-12 * (1.0 + point.length()),
                     "{}",
@@ -34,7 +38,8 @@ fn an_anchor_from_a_hit_or_a_projection_is_at_its_point_and_follows_it() {
 
                 let mut moved = case.clone();
                 moved.weights.iter_mut().for_each(|weight| *weight = 0.5 - *weight);
-                moved.place = Affine3A::from_rotation_translation(Quat::from_rotation_x(1.0), Vec3::Y) * case.place;
+                moved.world_from_model =
+                    Affine3A::from_rotation_translation(Quat::from_rotation_x(1.0), Vec3::Y) * case.world_from_model;
                 let corners = moved.world_triangles()[anchor.triangle as usize];
                 let elsewhere = moved.world_from_model();
                 pose.set_weights(&moved.weights).unwrap();
@@ -58,12 +63,12 @@ fn an_anchor_on_no_triangle_is_nowhere_and_one_without_area_has_no_frame() {
     let mesh = morph_collision_models::generated::degenerate::zero_area(2, 6);
     let case = bodies::Case::new("zero area", mesh, vec![0.0], Affine3A::IDENTITY);
     let mut pose = case.poses().swap_remove(0);
-    let place = WorldFromModel::IDENTITY;
+    let world_from_model = WorldFromModel::IDENTITY;
     let anchor = |triangle| SurfaceAnchor {
         triangle,
         barycentrics: [1.0, 0.0, 0.0],
     };
-    assert_eq!(anchor(6).point(Body::new(&mut pose, &place)), None);
-    assert!(anchor(5).point(Body::new(&mut pose, &place)).is_some());
-    assert_eq!(anchor(5).frame(Body::new(&mut pose, &place)), None);
+    assert_eq!(anchor(6).point(Body::new(&mut pose, &world_from_model)), None);
+    assert!(anchor(5).point(Body::new(&mut pose, &world_from_model)).is_some());
+    assert_eq!(anchor(5).frame(Body::new(&mut pose, &world_from_model)), None);
 }

@@ -18,30 +18,30 @@ pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) mesh: MorphMesh,
     pub(crate) weights: Vec<f32>,
-    pub(crate) place: Affine3A,
+    pub(crate) world_from_model: Affine3A,
 }
 
 impl Case {
-    pub(crate) fn new(name: &str, mesh: MorphMesh, weights: Vec<f32>, place: Affine3A) -> Self {
+    pub(crate) fn new(name: &str, mesh: MorphMesh, weights: Vec<f32>, world_from_model: Affine3A) -> Self {
         let name = name.to_owned();
         Self {
             name,
             mesh,
             weights,
-            place,
+            world_from_model,
         }
     }
 
     /// The triangles in world space, by the oracle's own definition of a vertex.
     pub(crate) fn world_triangles(&self) -> Vec<Corners> {
         let posed = oracle::posed_vertices(&self.mesh.positions, &self.mesh.targets, &self.weights);
-        let world = oracle::world_vertices(&posed, &self.place);
+        let world = oracle::world_vertices(&posed, &self.world_from_model);
         let corners = |triangle: &[u32; 3]| triangle.map(|v| world[v as usize]);
         self.mesh.triangles.iter().map(corners).collect()
     }
 
     pub(crate) fn world_from_model(&self) -> WorldFromModel {
-        WorldFromModel::new(self.place).unwrap()
+        WorldFromModel::new(self.world_from_model).unwrap()
     }
 
     /// Poses of the mesh in several different trees.
@@ -98,26 +98,32 @@ pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
 /// Generated and degenerate bodies with every kind of transform, and with weights of any sign and sum.
 pub(crate) fn generated() -> Vec<Case> {
     let mut all = Vec::new();
-    for (name, place) in odd_places() {
+    for (name, world_from_model) in odd_places() {
         let weights = vec![0.3, -0.2, 0.9, 0.0, 2.5, 0.1];
         let blob = random::random_blob(7, 1, 6, 0.5);
-        all.push(Case::new(&format!("blob {name}"), blob, weights, place));
+        all.push(Case::new(&format!("blob {name}"), blob, weights, world_from_model));
     }
     let soup = random::triangle_soup(11, 90, 3);
     for weights in [vec![-1.0, -0.5, 0.25], vec![4.0; 3], vec![200.0, -300.0, 3.0]] {
-        let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.0, 4.0, 1.0));
-        all.push(Case::new(&format!("soup {weights:?}"), soup.clone(), weights, place));
+        let world_from_model =
+            Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.0, 4.0, 1.0));
+        all.push(Case::new(
+            &format!("soup {weights:?}"),
+            soup.clone(),
+            weights,
+            world_from_model,
+        ));
     }
     let (_, turned) = odd_places()[1];
-    for place in [Affine3A::IDENTITY, turned] {
-        all.push(Case::new("dolphin", dolphin(0), vec![0.7, -0.4], place));
+    for world_from_model in [Affine3A::IDENTITY, turned] {
+        all.push(Case::new("dolphin", dolphin(0), vec![0.7, -0.4], world_from_model));
         for mesh in [
             degenerate::slivers(1, 60),
             degenerate::zero_area(2, 60),
             degenerate::coplanar_sheets(3, 4),
             degenerate::all_equal(20),
         ] {
-            all.push(Case::new(&mesh.name.clone(), mesh, vec![0.5], place));
+            all.push(Case::new(&mesh.name.clone(), mesh, vec![0.5], world_from_model));
         }
     }
     all
@@ -138,8 +144,9 @@ pub(crate) fn real() -> Vec<Case> {
         let Some(path) = real_model(name) else { continue };
         let mesh = read_meshes(&path).unwrap().swap_remove(0);
         let weights = (0..mesh.targets.len()).map(|k| ((3 + 7 * k) % 11) as f32 * 0.2 - 0.6);
-        let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.4), Vec3::new(0.5, -0.25, 0.0));
-        all.push(Case::new(name, mesh.clone(), weights.collect(), place));
+        let world_from_model =
+            Affine3A::from_rotation_translation(Quat::from_rotation_y(0.4), Vec3::new(0.5, -0.25, 0.0));
+        all.push(Case::new(name, mesh.clone(), weights.collect(), world_from_model));
     }
     assert!(all[0].name == HEAD, "the head is in assets/");
     all

@@ -102,7 +102,7 @@ fn check(case: &Case, random: &mut Random) -> [usize; 3] {
     let (min, max) = box_around(&triangles);
     let size = (max - min).max_element().max(0.5);
     let coordinates = size + min.abs().max(max.abs()).max_element();
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let mut poses = case.poses();
     let mut query = ShapeQuery::new();
     let mut counts = [0; 3];
@@ -116,7 +116,7 @@ fn check(case: &Case, random: &mut Random) -> [usize; 3] {
                 .iter_mut()
                 .map(|pose| {
                     query
-                        .cast(Body::new(pose, &place), &shape, direction * 0.5, within)
+                        .cast(Body::new(pose, &world_from_model), &shape, direction * 0.5, within)
                         .unwrap()
                 })
                 .collect();
@@ -198,7 +198,7 @@ fn nothing_is_touched_before_the_hit_and_something_then() {
 #[test]
 fn bad_casts_are_refused() {
     let case = &bodies::generated()[0];
-    let (place, mut pose) = (case.world_from_model(), case.poses().swap_remove(0));
+    let (world_from_model, mut pose) = (case.world_from_model(), case.poses().swap_remove(0));
     let ball = PlacedShape::ball(DVec3::ZERO, 1.0).unwrap();
     for (direction, within) in [
         (DVec3::ZERO, 1.0),
@@ -206,7 +206,7 @@ fn bad_casts_are_refused() {
         (DVec3::X, -1.0),
         (DVec3::X, f64::NAN),
     ] {
-        let cast = ShapeQuery::new().cast(Body::new(&mut pose, &place), &ball, direction, within);
+        let cast = ShapeQuery::new().cast(Body::new(&mut pose, &world_from_model), &ball, direction, within);
         assert!(cast.is_err(), "{direction} {within}");
     }
 }

@@ -65,12 +65,19 @@ fn agrees(a: &Case, b: &Case) -> bool {
 
 #[test]
 fn distances_agree_with_brute_force() {
-    let blob = |place| Case::new("blob", random::random_blob(5, 1, 3, 0.3), vec![0.4, -0.7, 1.2], place);
+    let blob = |world_from_model| {
+        Case::new(
+            "blob",
+            random::random_blob(5, 1, 3, 0.3),
+            vec![0.4, -0.7, 1.2],
+            world_from_model,
+        )
+    };
     let near = blob(Affine3A::IDENTITY);
     let (mut apart, mut touching) = (0, 0);
-    for (name, place) in bodies::odd_places() {
+    for (name, world_from_model) in bodies::odd_places() {
         for shift in [0.0, 2.2, 40.0] {
-            let moved = Affine3A::from_translation(Vec3::new(shift, 0.3 * shift, 0.0)) * place;
+            let moved = Affine3A::from_translation(Vec3::new(shift, 0.3 * shift, 0.0)) * world_from_model;
             let mut other = blob(moved);
             other.name = format!("blob {name} {shift} away");
             if agrees(&near, &other) {
@@ -80,7 +87,7 @@ fn distances_agree_with_brute_force() {
             }
             if shift > 0.0 {
                 agrees(&other, &other.clone());
-                let mut both = blob(place);
+                let mut both = blob(world_from_model);
                 both.name = format!("blob {name}");
                 agrees(&both, &other);
             }
@@ -100,9 +107,9 @@ fn degenerate_bodies_have_distances_too() {
     ];
     for a in &meshes {
         for b in &meshes {
-            for place in [Affine3A::IDENTITY, far] {
+            for world_from_model in [Affine3A::IDENTITY, far] {
                 let one = Case::new(&a.name, a.clone(), vec![0.5], Affine3A::IDENTITY);
-                agrees(&one, &Case::new(&b.name, b.clone(), vec![-0.25], place));
+                agrees(&one, &Case::new(&b.name, b.clone(), vec![-0.25], world_from_model));
             }
         }
     }

@@ -8,15 +8,15 @@ use crate::bodies::Case;
 
 fn swimming(shift: f32) -> Case {
     let turned = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(0.3);
-    let place = Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 0.5, 1.0), turned, Vec3::X * shift);
-    Case::new("dolphin", dolphin(2), vec![0.4, 0.0], place)
+    let world_from_model = Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 0.5, 1.0), turned, Vec3::X * shift);
+    Case::new("dolphin", dolphin(2), vec![0.4, 0.0], world_from_model)
 }
 
 #[test]
 fn a_query_blends_a_small_part_of_the_tree() {
     let case = swimming(0.0);
-    let place = case.world_from_model();
-    let center = place.transform_point(Vec3::ZERO);
+    let world_from_model = case.world_from_model();
+    let center = world_from_model.transform_point(Vec3::ZERO);
     let fresh = || -> Pose { case.poses().swap_remove(0) };
     let nodes = fresh().bvh().node_count() as u64;
     let small = |stats: QueryStats, what: &str| {
@@ -29,13 +29,13 @@ fn a_query_blends_a_small_part_of_the_tree() {
     };
     let ray = Ray::new(center + DVec3::new(0.1, 5.0, 0.0), DVec3::NEG_Y, f64::INFINITY).unwrap();
     let mut rays = RayQuery::new();
-    assert!(rays.closest(Body::new(&mut fresh(), &place), &ray).is_some());
+    assert!(rays.closest(Body::new(&mut fresh(), &world_from_model), &ray).is_some());
     small(rays.stats(), "closest hit");
-    assert!(rays.any(Body::new(&mut fresh(), &place), &ray));
+    assert!(rays.any(Body::new(&mut fresh(), &world_from_model), &ray));
     small(rays.stats(), "any hit");
     let point = center + DVec3::new(0.2, 0.4, 0.1);
     let mut shapes = ShapeQuery::new();
-    let closest = shapes.closest_point(Body::new(&mut fresh(), &place), point, f64::INFINITY);
+    let closest = shapes.closest_point(Body::new(&mut fresh(), &world_from_model), point, f64::INFINITY);
     assert!(closest.unwrap().is_some());
     small(shapes.stats(), "closest point");
     let middle = (center + DVec3::new(0.4, 0.0, -0.3)).as_vec3();
@@ -44,7 +44,11 @@ fn a_query_blends_a_small_part_of_the_tree() {
         max: middle + 0.05,
     });
     let mut triangles = Vec::new();
-    shapes.all_in_region(Body::new(&mut fresh(), &place), &region.unwrap(), &mut triangles);
+    shapes.all_in_region(
+        Body::new(&mut fresh(), &world_from_model),
+        &region.unwrap(),
+        &mut triangles,
+    );
     let stats = shapes.stats();
     assert!(stats.nodes_blended * 5 < nodes, "region: {stats:?} of {nodes} nodes");
 }
@@ -52,16 +56,16 @@ fn a_query_blends_a_small_part_of_the_tree() {
 #[test]
 fn a_miss_looks_at_the_root_only() {
     let case = swimming(0.0);
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let mut pose = case.poses().swap_remove(0);
     let past = Ray::new(DVec3::new(0.0, 9.0, 0.0), DVec3::Y, f64::INFINITY).unwrap();
     let mut rays = RayQuery::new();
-    let hit = rays.closest(Body::new(&mut pose, &place), &past);
+    let hit = rays.closest(Body::new(&mut pose, &world_from_model), &past);
     let stats = rays.stats();
     assert_eq!((hit, stats.node_tests, stats.vertices_blended), (None, 1, 0));
     let mut shapes = ShapeQuery::new();
     let closest = shapes
-        .closest_point(Body::new(&mut pose, &place), DVec3::splat(50.0), 1.0)
+        .closest_point(Body::new(&mut pose, &world_from_model), DVec3::splat(50.0), 1.0)
         .unwrap();
     let stats = shapes.stats();
     assert_eq!((closest, stats.node_tests, stats.vertices_blended), (None, 1, 0));
@@ -90,8 +94,8 @@ fn a_distance_looks_at_a_small_part_of_both_trees() {
 fn the_boxes_that_one_query_blends_the_next_one_finds() {
     type Ask<'a> = Box<dyn Fn(Body<'_>) -> QueryStats + 'a>;
     let case = swimming(0.0);
-    let place = case.world_from_model();
-    let center = place.transform_point(Vec3::ZERO);
+    let world_from_model = case.world_from_model();
+    let center = world_from_model.transform_point(Vec3::ZERO);
     let ray = Ray::new(center + DVec3::new(0.1, 5.0, 0.0), DVec3::NEG_Y, f64::INFINITY).unwrap();
     let point = center + DVec3::new(0.2, 0.4, 0.1);
     let everywhere = ConvexRegion::from_half_spaces(&[]).unwrap();
@@ -142,9 +146,9 @@ fn the_boxes_that_one_query_blends_the_next_one_finds() {
             nodes_blended: of_root,
             ..QueryStats::default()
         };
-        for (what, ask) in &asks {
-            let first = ask(Body::new(&mut pose, &place));
-            let again = ask(Body::new(&mut pose, &place));
+        for (what, query) in &asks {
+            let first = query(Body::new(&mut pose, &world_from_model));
+            let again = query(Body::new(&mut pose, &world_from_model));
             assert!(
                 again.triangle_tests > 0 && again.node_tests == first.node_tests,
                 "{what}: {again:?}"

@@ -26,7 +26,7 @@ fn points(triangles: &[Corners], count: usize) -> Vec<DVec3> {
 
 fn agrees(case: &Case, count: usize) {
     let triangles = case.world_triangles();
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let (min, max) = box_around(&triangles);
     let mut poses = case.poses();
     let mut query = ShapeQuery::new();
@@ -38,7 +38,7 @@ fn agrees(case: &Case, count: usize) {
         let slack = share * (least + (max - min).length());
         let mut first: Option<ClosestPoint> = None;
         for pose in &mut poses {
-            let closest = query.closest_point(Body::new(pose, &place), point, f64::INFINITY);
+            let closest = query.closest_point(Body::new(pose, &world_from_model), point, f64::INFINITY);
             let closest = closest.unwrap().unwrap();
             assert!(
                 (closest.distance - least).abs() <= slack,
@@ -54,8 +54,10 @@ fn agrees(case: &Case, count: usize) {
             // A ball that just contains the closest point finds it; a slightly smaller one finds nothing.
             let mut within = |radius: f64| {
                 let ball = PlacedShape::ball(point, radius).unwrap();
-                let found = query.closest_point(Body::new(pose, &place), point, radius).unwrap();
-                let meets = ShapeQuery::new().any(Body::new(pose, &place), &ball);
+                let found = query
+                    .closest_point(Body::new(pose, &world_from_model), point, radius)
+                    .unwrap();
+                let meets = ShapeQuery::new().any(Body::new(pose, &world_from_model), &ball);
                 assert_eq!(found.is_some(), meets, "{}", case.name);
                 found
             };
@@ -67,7 +69,7 @@ fn agrees(case: &Case, count: usize) {
             let radius = least + 0.2 * (max - min).length();
             let mut inside = Vec::new();
             let ball = PlacedShape::ball(point, radius).unwrap();
-            ShapeQuery::new().all(Body::new(pose, &place), &ball, &mut inside);
+            ShapeQuery::new().all(Body::new(pose, &world_from_model), &ball, &mut inside);
             inside.sort_unstable();
             for (number, distance) in distances.iter().enumerate() {
                 if (distance - radius).abs() > slack {

@@ -91,7 +91,7 @@ fn check_hit(hit: &RayHit, shot: &Shot, triangle: &Corners, name: &str) {
 
 fn agrees(case: &Case, count: usize) -> usize {
     let triangles = case.world_triangles();
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let mut poses = case.poses();
     let mut query = RayQuery::new();
     let mut found = 0;
@@ -104,14 +104,14 @@ fn agrees(case: &Case, count: usize) -> usize {
         let mut first: Option<Vec<RayHit>> = None;
         for pose in &mut poses {
             let mut hits = Vec::new();
-            query.all(Body::new(pose, &place), &ray, &mut hits);
+            query.all(Body::new(pose, &world_from_model), &ray, &mut hits);
             let mut numbers: Vec<u32> = hits.iter().map(|hit| hit.triangle).collect();
             assert!(hits.is_sorted_by(|a, b| (a.t, a.triangle) < (b.t, b.triangle)));
             numbers.sort_unstable();
             assert_eq!(numbers, truth, "{}: {shot:?}", case.name);
-            let any = query.any(Body::new(pose, &place), &ray);
+            let any = query.any(Body::new(pose, &world_from_model), &ray);
             assert_eq!(any, !truth.is_empty());
-            let closest = query.closest(Body::new(pose, &place), &ray);
+            let closest = query.closest(Body::new(pose, &world_from_model), &ray);
             assert_eq!(closest, hits.first().copied(), "{}: {shot:?}", case.name);
             // Equal bit for bit in all trees.
             assert_eq!(first.get_or_insert_with(|| hits.clone()), &hits, "{}", case.name);
@@ -147,16 +147,16 @@ fn hits_agree_with_the_oracle_on_real_models() {
 #[test]
 fn no_ray_leaves_a_closed_surface_unseen() {
     let blob = morph_collision_models::generated::random::random_blob(3, 2, 2, 0.0);
-    for (name, place) in bodies::odd_places().into_iter().take(4) {
-        let case = Case::new(name, blob.clone(), vec![0.05, -0.05], place);
+    for (name, world_from_model) in bodies::odd_places().into_iter().take(4) {
+        let case = Case::new(name, blob.clone(), vec![0.05, -0.05], world_from_model);
         let triangles = case.world_triangles();
         let center = case.world_from_model().transform_point(glam::Vec3::ZERO);
         let mut pose = case.poses().swap_remove(0);
-        let place = case.world_from_model();
+        let world_from_model = case.world_from_model();
         for [a, b, c] in triangles {
             for target in [a, 0.5 * (a + b), a + (b - a) * 0.3, (a + b + c) / 3.0] {
                 let ray = Ray::new(center, target - center, f64::INFINITY).unwrap();
-                let hit = RayQuery::new().closest(Body::new(&mut pose, &place), &ray);
+                let hit = RayQuery::new().closest(Body::new(&mut pose, &world_from_model), &ray);
                 assert!(hit.is_some(), "{name}: towards {target}");
             }
         }
@@ -167,17 +167,17 @@ fn no_ray_leaves_a_closed_surface_unseen() {
 fn the_predicate_sees_through_what_it_rejects() {
     let case = &bodies::generated()[1];
     let triangles = case.world_triangles();
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let mut rejected = 0;
     for pose in &mut case.poses() {
         for shot in shots(&triangles, 30, 9) {
             let ray = Ray::new(shot.origin, shot.direction, f64::INFINITY).unwrap();
             let mut hits = Vec::new();
-            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+            RayQuery::new().all(Body::new(pose, &world_from_model), &ray, &mut hits);
             let back = |hit: &RayHit| hit.facing == Facing::Back;
             let expected = hits.iter().copied().find(back);
             rejected += usize::from(expected != hits.first().copied());
-            let closest = RayQuery::new().closest_where(Body::new(pose, &place), &ray, back);
+            let closest = RayQuery::new().closest_where(Body::new(pose, &world_from_model), &ray, back);
             assert_eq!(closest, expected);
         }
     }
@@ -188,12 +188,12 @@ fn the_predicate_sees_through_what_it_rejects() {
 fn any_hit_stops_at_the_first() {
     let case = &bodies::generated()[0];
     let mut pose = case.poses().swap_remove(0);
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let ray = Ray::new(DVec3::new(0.5, 0.25, 5.0), DVec3::NEG_Z, f64::INFINITY).unwrap();
     let (mut query, mut hits) = (RayQuery::new(), Vec::new());
-    query.all(Body::new(&mut pose, &place), &ray, &mut hits);
+    query.all(Body::new(&mut pose, &world_from_model), &ray, &mut hits);
     let all = query.stats();
-    assert!(query.any(Body::new(&mut pose, &place), &ray) && hits.len() > 1);
+    assert!(query.any(Body::new(&mut pose, &world_from_model), &ray) && hits.len() > 1);
     assert!(query.stats().triangle_tests < all.triangle_tests);
 }
 
@@ -201,11 +201,13 @@ fn any_hit_stops_at_the_first() {
 fn the_length_of_the_direction_scales_only_t() {
     let case = &bodies::generated()[2];
     let mut pose = case.poses().swap_remove(0);
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let (origin, direction) = (DVec3::new(0.4, 0.3, 5.0), DVec3::new(0.01, 0.0, -1.0));
     let mut cast = |factor: f64| {
         let ray = Ray::new(origin, direction * factor, f64::INFINITY).unwrap();
-        RayQuery::new().closest(Body::new(&mut pose, &place), &ray).unwrap()
+        RayQuery::new()
+            .closest(Body::new(&mut pose, &world_from_model), &ray)
+            .unwrap()
     };
     let one = cast(1.0);
     for factor in [1024.0, 2_f64.powi(-600), 2_f64.powi(900)] {
@@ -222,14 +224,14 @@ fn the_length_of_the_direction_scales_only_t() {
 fn a_ray_from_far_away_hits_what_it_is_aimed_at() {
     let case = &bodies::generated()[1];
     let triangles = case.world_triangles();
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     for pose in &mut case.poses() {
         for (number, triangle) in triangles.iter().enumerate().step_by(7) {
             let origin = DVec3::new(1e9, -3e9, 2e9);
             let target = at([0.3, 0.3, 0.4], triangle);
             let ray = Ray::new(origin, target - origin, f64::INFINITY).unwrap();
             let mut hits = Vec::new();
-            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+            RayQuery::new().all(Body::new(pose, &world_from_model), &ray, &mut hits);
             assert!(
                 hits.iter()
                     .any(|hit| point_triangle(target, &triangles[hit.triangle as usize]) < 1e-5),
@@ -244,12 +246,12 @@ fn hits_where_the_ray_starts_are_at_zero_in_the_order_of_triangles() {
     let corners = vec![glam::Vec3::ZERO, glam::Vec3::Y, glam::Vec3::Z];
     let mesh = MorphMesh::rigid("corner", corners, vec![[0, 1, 2], [0, 0, 0], [2, 1, 0]]);
     let case = Case::new("corner", mesh, Vec::new(), glam::Affine3A::IDENTITY);
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     for pose in &mut case.poses() {
         for direction in [DVec3::X, DVec3::NEG_X, DVec3::NEG_Y] {
             let ray = Ray::new(DVec3::ZERO, direction, 1.0).unwrap();
             let mut hits = Vec::new();
-            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+            RayQuery::new().all(Body::new(pose, &world_from_model), &ray, &mut hits);
             let found: Vec<_> = hits
                 .iter()
                 .map(|hit| (hit.triangle, hit.t.to_bits(), hit.distance.to_bits()))
@@ -269,9 +271,9 @@ fn hits_at_the_same_point_come_in_the_order_of_triangles() {
         triangles: triangles.collect(),
         ..blob
     };
-    for (name, place) in bodies::odd_places().into_iter().take(4) {
-        let case = Case::new(name, mesh.clone(), vec![0.3, -0.2], place);
-        let (triangles, place) = (case.world_triangles(), case.world_from_model());
+    for (name, world_from_model) in bodies::odd_places().into_iter().take(4) {
+        let case = Case::new(name, mesh.clone(), vec![0.3, -0.2], world_from_model);
+        let (triangles, world_from_model) = (case.world_triangles(), case.world_from_model());
         let mut random = Random(23);
         let around = box_around(&triangles);
         let (mut shared, mut poses) = (0, case.poses());
@@ -282,7 +284,7 @@ fn hits_at_the_same_point_come_in_the_order_of_triangles() {
                 let ray = Ray::new(origin, target - origin, f64::INFINITY).unwrap();
                 for pose in &mut poses {
                     let mut hits = Vec::new();
-                    RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+                    RayQuery::new().all(Body::new(pose, &world_from_model), &ray, &mut hits);
                     assert!(hits.is_sorted_by_key(|hit| Rank::new(hit.t, hit.triangle)));
                     let four = hits.chunk_by(|x, y| x.triangle / 4 == y.triangle / 4);
                     for copies in four.filter(|copies| copies.len() == 4) {
@@ -290,7 +292,7 @@ fn hits_at_the_same_point_come_in_the_order_of_triangles() {
                         shared += 1;
                     }
                     // Where it hits a corner or an edge, it hits several triangles at once.
-                    let closest = RayQuery::new().closest(Body::new(pose, &place), &ray);
+                    let closest = RayQuery::new().closest(Body::new(pose, &world_from_model), &ray);
                     assert_eq!(closest, hits.first().copied(), "{name}");
                     let truth = hits
                         .iter()
@@ -307,14 +309,14 @@ fn hits_at_the_same_point_come_in_the_order_of_triangles() {
 #[test]
 fn hits_come_nearest_first_even_if_their_parameters_are_out_of_range() {
     let case = &bodies::generated()[1];
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     let origin = DVec3::new(0.5, 0.25, 5.0);
     for pose in &mut case.poses() {
         let mut cast = |length: f64| {
             let ray = Ray::new(origin, DVec3::NEG_Z * length, f64::INFINITY).unwrap();
             let mut hits = Vec::new();
-            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
-            let closest = RayQuery::new().closest(Body::new(pose, &place), &ray);
+            RayQuery::new().all(Body::new(pose, &world_from_model), &ray, &mut hits);
+            let closest = RayQuery::new().closest(Body::new(pose, &world_from_model), &ray);
             assert_eq!(closest, hits.first().copied());
             hits.iter().map(|hit| hit.triangle).collect::<Vec<_>>()
         };
@@ -341,7 +343,7 @@ fn a_point_is_in_a_closed_mesh_if_triangles_surround_it() {
         if !is_solid.iter().any(|name| case.name.starts_with(name)) {
             continue;
         }
-        let (triangles, place) = (case.world_triangles(), case.world_from_model());
+        let (triangles, world_from_model) = (case.world_triangles(), case.world_from_model());
         let around = box_around(&triangles);
         for mut pose in case.poses() {
             for i in 0..60 {
@@ -362,14 +364,18 @@ fn a_point_is_in_a_closed_mesh_if_triangles_surround_it() {
                 let winding = triangles.iter().map(solid_angle).sum::<f64>() / (4.0 * std::f64::consts::PI);
                 assert!((winding - winding.round()).abs() < 1e-6, "{} is not closed", case.name);
                 let expected = winding.round() != 0.0;
-                let found = RayQuery::new().encloses(Body::new(&mut pose, &place), point).unwrap();
+                let found = RayQuery::new()
+                    .encloses(Body::new(&mut pose, &world_from_model), point)
+                    .unwrap();
                 assert_eq!(found, expected, "{} at {point}: {winding}", case.name);
                 *(if found { &mut inside } else { &mut outside }) += 1;
             }
             // A corner is on the surface.
             let corner = triangles[0][0];
             assert!(
-                RayQuery::new().encloses(Body::new(&mut pose, &place), corner).unwrap(),
+                RayQuery::new()
+                    .encloses(Body::new(&mut pose, &world_from_model), corner)
+                    .unwrap(),
                 "{}",
                 case.name
             );
@@ -377,10 +383,10 @@ fn a_point_is_in_a_closed_mesh_if_triangles_surround_it() {
     }
     assert!(inside > 50 && outside > 50, "{inside} {outside}");
     let case = &bodies::generated()[0];
-    let (place, mut pose) = (case.world_from_model(), case.poses().swap_remove(0));
+    let (world_from_model, mut pose) = (case.world_from_model(), case.poses().swap_remove(0));
     assert!(
         RayQuery::new()
-            .encloses(Body::new(&mut pose, &place), DVec3::NAN)
+            .encloses(Body::new(&mut pose, &world_from_model), DVec3::NAN)
             .is_err()
     );
 }

@@ -7,13 +7,13 @@ use crate::bodies::{self, Case, Random, box_around, snap};
 use crate::reference::{Corners, touch};
 
 fn assert_region(case: &Case, poses: &mut [Pose], region: &ConvexRegion, truth: &[u32], what: &str) {
-    let place = case.world_from_model();
+    let world_from_model = case.world_from_model();
     for pose in poses {
         let mut found = Vec::new();
         let mut query = ShapeQuery::new();
-        query.all_in_region(Body::new(pose, &place), region, &mut found);
+        query.all_in_region(Body::new(pose, &world_from_model), region, &mut found);
         assert_eq!(found, truth, "{}: {what}", case.name);
-        let meets = query.any_in_region(Body::new(pose, &place), region);
+        let meets = query.any_in_region(Body::new(pose, &world_from_model), region);
         assert_eq!(meets, !truth.is_empty());
     }
 }

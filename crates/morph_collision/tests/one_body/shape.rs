@@ -9,7 +9,7 @@ use crate::bodies::{self, box_around};
 #[test]
 fn tight_bounds_are_the_smallest_and_lie_in_the_conservative_ones() {
     for case in bodies::generated() {
-        let place = case.world_from_model();
+        let world_from_model = case.world_from_model();
         let posed = oracle::posed_vertices(&case.mesh.positions, &case.mesh.targets, &case.weights);
         let used = case.mesh.triangles.iter().flatten().map(|v| posed[*v as usize]);
         let expected = Aabb::from_points(used);
@@ -23,13 +23,13 @@ fn tight_bounds_are_the_smallest_and_lie_in_the_conservative_ones() {
             );
             let loose = pose.bounds();
             assert!(loose.contains(expected.min) && loose.contains(expected.max));
-            let world = pose.tight_world_bounds(&place);
+            let world = pose.tight_world_bounds(&world_from_model);
             assert!(world.min.as_dvec3().cmple(min).all() && world.max.as_dvec3().cmpge(max).all());
             for axis in 0..3 {
                 assert!(f64::from(world.min[axis].next_up()) > min[axis], "{}", case.name);
                 assert!(f64::from(world.max[axis].next_down()) < max[axis], "{}", case.name);
             }
-            let loose = pose.world_bounds(&place);
+            let loose = pose.world_bounds(&world_from_model);
             assert!(loose.contains(world.min) && loose.contains(world.max), "{}", case.name);
         }
     }
@@ -53,7 +53,7 @@ fn normals_are_means_by_area_in_model_and_world_space() {
         if case.name.contains("zero_area") || case.name.contains("all_equal") || case.name.contains("slivers") {
             continue; // no normals, or normals decided by rounding
         }
-        let place = case.world_from_model();
+        let world_from_model = case.world_from_model();
         let world = case.world_triangles();
         // None of these meshes has two vertices at the same position, so nothing is welded.
         let mut sums = vec![DVec3::ZERO; case.mesh.positions.len()];
@@ -73,7 +73,7 @@ fn normals_are_means_by_area_in_model_and_world_space() {
         for (normal, sum) in normals.iter().zip(&sums) {
             if sum.length() > 1e-3 * largest && largest > 1e-9 {
                 assert!((normal.length() - 1.0).abs() < 1e-6);
-                let placed = place.transform_normal(normal.as_dvec3()).normalize();
+                let placed = world_from_model.transform_normal(normal.as_dvec3()).normalize();
                 assert!(
                     (placed - sum.normalize()).length() < 1e-4,
                     "{}: {placed} {sum}",

@@ -89,16 +89,16 @@ fn close_triangles_of_one_body_agree_with_brute_force() {
 
 #[test]
 fn close_triangles_of_two_bodies_agree_with_brute_force() {
-    let case = |mesh: u64, place| {
+    let case = |mesh: u64, world_from_model| {
         let blob = random::random_blob(mesh, 1, 3, 0.3);
-        Case::new("blob", blob, vec![0.4, -0.7, 1.2], place)
+        Case::new("blob", blob, vec![0.4, -0.7, 1.2], world_from_model)
     };
     let near = case(5, Affine3A::IDENTITY);
     let triangles_a = near.world_triangles();
     let mut sizes = Vec::new();
-    for (name, place) in bodies::odd_places() {
+    for (name, world_from_model) in bodies::odd_places() {
         for (shift, limit) in [(0.0, 0.0789), (2.2, 0.789), (1e8, 1e8)] {
-            let other = case(6, Affine3A::from_translation(Vec3::X * shift) * place);
+            let other = case(6, Affine3A::from_translation(Vec3::X * shift) * world_from_model);
             let triangles_b = other.world_triangles();
             let all = (0..triangles_a.len()).flat_map(|a| (0..triangles_b.len()).map(move |b| [a, b]));
             let measured = all.map(|[a, b]| ([a as u32, b as u32], distance(&triangles_a[a], &triangles_b[b])));

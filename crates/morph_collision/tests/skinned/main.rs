@@ -124,12 +124,12 @@ fn bodies([a, b]: &mut [Pose; 2]) -> [Body<'_>; 2] {
 /// Runs a query for skinned and for rigid bodies, and fails if the answers differ. Returns the number of answers that are not the default.
 fn same<T: PartialEq + std::fmt::Debug + Default>(
     seeds: impl IntoIterator<Item = u64>,
-    mut ask: impl FnMut(&mut [Pose; 2], &mut Pcg64Mcg) -> T,
+    mut query: impl FnMut(&mut [Pose; 2], &mut Pcg64Mcg) -> T,
 ) -> usize {
     let mut found = 0;
     for seed in seeds {
         let (mut skinned, mut rigid) = pairs_of_bodies(seed);
-        let answers = [&mut skinned, &mut rigid].map(|bodies| ask(bodies, &mut Pcg64Mcg::seed_from_u64(seed)));
+        let answers = [&mut skinned, &mut rigid].map(|bodies| query(bodies, &mut Pcg64Mcg::seed_from_u64(seed)));
         assert_eq!(answers[0], answers[1], "seed {seed}");
         found += usize::from(answers[0] != T::default());
     }
@@ -169,17 +169,17 @@ fn a_remembered_pair_is_found_again_without_any_boxes() {
     for seed in 0..20 {
         let (mut poses, _) = pairs_of_bodies(seed);
         let mut memory = PairMemory::new();
-        let mut ask = |poses: &mut [Pose; 2]| {
+        let mut run = |poses: &mut [Pose; 2]| {
             let [a, b] = bodies(poses);
             (query.first_with(&mut memory, a, b), query.stats())
         };
-        let (first, _) = ask(&mut poses);
+        let (first, _) = run(&mut poses);
         let Some(first) = first else { continue };
         for pose in &mut poses {
             let nearly = pose.weights()[0] * (1.0 + f32::EPSILON) + 1e-6;
             pose.set_weights(&[nearly]).unwrap();
         }
-        let (again, stats) = ask(&mut poses);
+        let (again, stats) = run(&mut poses);
         assert_eq!(again, Some(first), "seed {seed}");
         assert_eq!((stats.nodes_blended, stats.node_tests), (0, 0), "seed {seed}");
         assert!(stats.vertices_blended > 0, "seed {seed}");

@@ -100,7 +100,7 @@ fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
         let place = |body: usize| WorldFromModel::new(scene.bodies[body].2).unwrap();
         let places = [place(0), place(1)];
         let mut query = PairQuery::new();
-        let mut ask = |deepest_first: bool| {
+        let mut run = |deepest_first: bool| {
             let mut poses = [0, 1].map(|body: usize| {
                 let mut pose = Pose::new(bvh.clone());
                 pose.set_weights(&scene.bodies[body].1).unwrap();
@@ -121,7 +121,7 @@ fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
                 (found, query.stats())
             }
         };
-        let (one, other) = (ask(true), ask(false));
+        let (one, other) = (run(true), run(false));
         assert_eq!(one.0, other.0, "frame {frame}");
         first += one.1;
         in_order += other.1;

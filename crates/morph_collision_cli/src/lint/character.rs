@@ -61,7 +61,7 @@ pub(super) fn characters(
                         known.push(subjects.len());
                         subjects.push(subject);
                     }
-                    Err(error) => refused.tell(&error),
+                    Err(error) => refused.log(&error),
                 }
             }
             _ => match character(options, clip_files, file, &group, &mut refused)? {
@@ -124,27 +124,27 @@ const MOST_REFUSED: usize = 20;
 /// Says why meshes are left out, once for each reason.
 #[derive(Default)]
 struct Refused {
-    told: HashSet<String>,
-    untold: usize,
+    logged: HashSet<String>,
+    unlogged: usize,
 }
 
 impl Refused {
-    fn tell(&mut self, error: &CliError) {
+    fn log(&mut self, error: &CliError) {
         let reason = error.to_string();
-        if self.told.contains(&reason) {
+        if self.logged.contains(&reason) {
             return;
         }
-        if self.told.len() == MOST_REFUSED {
-            self.untold += 1;
+        if self.logged.len() == MOST_REFUSED {
+            self.unlogged += 1;
             return;
         }
         messages::complain(format_args!("warning: left out: {reason}"));
-        self.told.insert(reason);
+        self.logged.insert(reason);
     }
 
     fn finish(self) {
-        if self.untold > 0 {
-            let more = messages::counted(self.untold, "more mesh", "more meshes");
+        if self.unlogged > 0 {
+            let more = messages::counted(self.unlogged, "more mesh", "more meshes");
             messages::complain(format_args!(
                 "warning: left out: {more}, for reasons that are not listed"
             ));
@@ -202,7 +202,7 @@ fn character(
                     last = Some((drawn.mesh, whole));
                 }
             }
-            Err(error) => refused.tell(&error),
+            Err(error) => refused.log(&error),
         }
     }
     let moves = |part: &Part| {
@@ -221,7 +221,7 @@ fn character(
     if !share_a_place(&parts) {
         for part in &mut parts {
             if let Some(placement) = part.placement.take() {
-                part.mesh.skin = Some(follow(placement, part.mesh.positions.len()));
+                part.mesh.skin = Some(rigid_skin(placement, part.mesh.positions.len()));
             }
         }
     }
@@ -313,7 +313,7 @@ fn share_a_place(parts: &[Part]) -> bool {
 }
 
 /// A skin whose only joint is the node that a mesh follows.
-fn follow(placement: Skeleton, vertices: usize) -> MeshSkin {
+fn rigid_skin(placement: Skeleton, vertices: usize) -> MeshSkin {
     MeshSkin {
         sets: vec![InfluenceSet {
             joints: vec![[0; 4]; vertices],

@@ -4,7 +4,7 @@
 //! looked at in the same frame, for what is certainly wrong. If it still lacks something, it is looked at again some seconds later,
 //! when scenes are loaded. Then it is forgotten.
 //!
-//! - `look`: the system that looks at entities. `verdict`: what a look says.
+//! - `watch`: notes entities. `look`: the system that looks at entities. `verdict`: what a look says.
 //! - `subject`: the components of one entity.
 //! - `colliders`: components that need a collider, and colliders without a mesh.
 //! - `bodies`: components that need a body.
@@ -24,6 +24,7 @@ mod physics;
 mod scenes;
 mod subject;
 mod verdict;
+mod watch;
 
 use bevy::prelude::*;
 
@@ -59,13 +60,13 @@ type Watched = (
 pub(crate) fn add(app: &mut App) {
     app.init_resource::<Suspects>()
         .init_resource::<physics::ColliderComponents>()
-        .add_observer(|added: On<Add<Watched>>, mut suspects: ResMut<Suspects>| suspects.note(added.entity))
         // What an anchor follows may change.
         .add_observer(
             |inserted: On<Insert<MorphSurfaceAnchor>>, mut suspects: ResMut<Suspects>| {
                 suspects.note(inserted.entity);
             },
         );
+    watch::watch::<(Watched, MorphSurfaceAnchor)>(app);
     app.add_systems(
         PostUpdate,
         (
@@ -87,6 +88,20 @@ mod tests {
 
     use super::*;
     use crate::plugins::MorphCollisionPlugin;
+
+    #[test]
+    fn entities_that_came_before_the_plugin_are_looked_at() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin));
+        app.world_mut().spawn(Transform::default());
+        let collider = app.world_mut().spawn(MorphCollider::default()).id();
+        app.add_plugins(MorphCollisionPlugin);
+        let noted = app
+            .world_mut()
+            .resource_mut::<Suspects>()
+            .take(std::time::Duration::ZERO);
+        assert_eq!(noted, [(collider, true)]);
+    }
 
     #[test]
     fn colliders_that_lack_nothing_are_forgotten_after_a_bounded_number_per_frame() {

@@ -4,7 +4,7 @@ use bevy::ecs::archetype::Archetype;
 use bevy::ecs::component::ComponentId;
 use bevy::prelude::*;
 
-use crate::app::Suspects;
+use super::watch::watch;
 
 /// A component that makes the mesh of an entity a collider, and the one that does the same for a scene.
 pub(super) struct ColliderComponent {
@@ -50,5 +50,5 @@ pub fn note_collider_component<C: Component, S: Component>(app: &mut App) {
         name: short_name::<C>(),
         scene_name: short_name::<S>(),
     });
-    app.add_observer(|added: On<Add<(C, S)>>, mut suspects: ResMut<Suspects>| suspects.note(added.entity));
+    watch::<(C, S)>(app);
 }

@@ -221,8 +221,9 @@ fn components_may_come_before_plugins() {
 
 #[test]
 fn a_component_without_an_engine_is_logged_whenever_it_came_unless_it_is_gone() {
-    let ways: [(fn(&mut App), &str); 4] = [
+    let ways: [Broken; 4] = [
         (
+            "before collisions",
             |app| {
                 spawn_both(app);
                 app.add_plugins(MorphPlugins);
@@ -230,6 +231,7 @@ fn a_component_without_an_engine_is_logged_whenever_it_came_unless_it_is_gone() 
             "`MorphPhysicsCollider` has no effect on entity `surface`",
         ),
         (
+            "after collisions",
             |app| {
                 app.add_plugins(MorphPlugins);
                 spawn_both(app);
@@ -237,6 +239,7 @@ fn a_component_without_an_engine_is_logged_whenever_it_came_unless_it_is_gone() 
             "`MorphPhysicsCollider` has no effect on entity `surface`",
         ),
         (
+            "the first one is gone",
             |app| {
                 app.add_plugins(MorphPlugins);
                 let gone = spawn(app, &sheet(2), ());
@@ -247,6 +250,7 @@ fn a_component_without_an_engine_is_logged_whenever_it_came_unless_it_is_gone() 
             "`MorphPhysicsScene` has no effect on entity `scene`",
         ),
         (
+            "in a schedule",
             |app| {
                 app.add_plugins(MorphPlugins)
                     .add_systems(Startup, |mut commands: Commands| {
@@ -257,17 +261,17 @@ fn a_component_without_an_engine_is_logged_whenever_it_came_unless_it_is_gone() 
         ),
     ];
     Errors::collect(|errors| {
-        for (set_up, expected) in ways {
+        for (name, set_up, expected) in ways {
             let mut app = without_collisions(Path::new("."));
             set_up(&mut app);
             start(&mut app);
-            assert_eq!(errors.take_warnings(), [""; 0], "before the first frame");
+            assert_eq!(errors.take_warnings(), [""; 0], "{name}: before the first frame");
             run(&mut app, 3);
             spawn_both(&mut app);
             run(&mut app, 3);
             let warnings = errors.take_warnings();
-            assert_eq!(warnings.len(), 1, "{warnings:?}");
-            assert!(warnings[0].starts_with(expected), "{expected}: {warnings:?}");
+            assert_eq!(warnings.len(), 1, "{name}: {warnings:?}");
+            assert!(warnings[0].starts_with(expected), "{name}: {warnings:?}");
             assert!(
                 warnings[0].contains("lacks a plugin for a physics engine"),
                 "{warnings:?}"

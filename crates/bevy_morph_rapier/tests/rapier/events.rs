@@ -42,11 +42,31 @@ fn contact_forces_are_reported() {
             .iter()
             .all(|event| pair(event.collider1, event.collider2) == pair(surface, cuboid))
     );
-    let active = ask(&mut app, move |context| {
-        let contact = context.contact_pair(surface, cuboid);
-        contact.map(|pair| pair.has_any_active_contact())
-    });
-    assert_eq!(active, Some(true));
+}
+
+#[test]
+fn while_somebody_listens_queries_see_the_contact_with_the_surface() {
+    for on_surface in [true, false] {
+        let mut app = app();
+        let surface = spawn(&mut app, &sheet(32), ());
+        settle(&mut app);
+        let cuboid = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-2.0, 0.31, 0.05));
+        let listener = if on_surface { surface } else { cuboid };
+        let world = app.world_mut();
+        world.entity_mut(listener).insert(ActiveEvents::COLLISION_EVENTS);
+        world
+            .entity_mut(cuboid)
+            .insert((slippery(), Velocity::linear(Vec3::X * 3.0)));
+        for i in 1..=60 {
+            set_weights(&mut app, surface, &[0.2 * (i as f32 * DT).sin(), 0.3 * DT * i as f32]);
+            run(&mut app, 1);
+        }
+        let active = ask(&mut app, move |context| {
+            let contact = context.contact_pair(surface, cuboid);
+            contact.map(|pair| pair.has_any_active_contact())
+        });
+        assert_eq!(active, Some(true));
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! - `query`: [`MorphSpatialQuery`]. `walker`: its walk over colliders. `filter`: which of them. `answer`: what queries return.
 //! - `rays`, `shapes`, `points`, `overlaps`, `pairs`, `posed`, `velocity`: the questions. `batches`: many of them at one moment.
-//! - `index`: a tree over the boxes of all colliders. `state`: what queries share. `surface`: texture coordinates and joints of a hit.
+//! - `index`: a tree over the boxes of all colliders. `state`: what queries share. `target`: a collider as a query sees it. `surface`: texture coordinates and joints of a hit.
 
 mod answer;
 mod batches;
@@ -17,6 +17,7 @@ mod rays;
 mod shapes;
 mod state;
 mod surface;
+mod target;
 mod velocity;
 mod walker;
 

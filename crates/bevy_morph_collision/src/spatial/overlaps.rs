@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy::shape::Aabb3d;
 use morph_collision::{Aabb, ConvexRegion, InputError};
 
-use super::query::Target;
+use super::target::Target;
 use super::{MorphQueryFilter, MorphSpatialQuery};
 
 impl MorphSpatialQuery<'_, '_> {

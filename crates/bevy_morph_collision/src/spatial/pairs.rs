@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use morph_collision::TrianglePair;
 
 use super::points::checked_distance;
-use super::query::{Target, with_target};
+use super::target::{Target, with_target};
 use super::{MorphClosestPoints, MorphManifold, MorphSpatialQuery};
 use crate::contacts::{MorphContact, MorphContactPoint};
 

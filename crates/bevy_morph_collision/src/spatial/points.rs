@@ -4,8 +4,8 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use morph_collision::{Aabb, ClosestPoint, InputError, PlacedShape, Rank};
 
-use super::query::Target;
 use super::rays::{HitRank, RayCast, renamed};
+use super::target::Target;
 use super::walker::Walker;
 use super::{MorphProjection, MorphQueryFilter, MorphSpatialQuery};
 use crate::contacts::MorphContact;

@@ -4,15 +4,16 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use morph_collision::{Aabb, Body, InputError, PlacedShape};
+use morph_collision::{Aabb, Body, InputError};
 
 use super::MorphQueryFilter;
 use super::state::{BorrowedQueries, Queries, SpatialState};
 use super::surface::Surfaces;
+use super::target::{Target, state_of, with_target};
 use super::walker::Walker;
 use crate::broad_phase::Candidates;
 use crate::components::MorphCollisionSettings;
-use crate::state::{ColliderState, Form, RunTimes, Runs};
+use crate::state::{ColliderState, RunTimes, Runs};
 
 /// Spatial queries for [`MorphCollider`](crate::components::MorphCollider)s in their current pose: ray casts, shape casts, intersections,
 /// closest points and contacts.
@@ -69,12 +70,6 @@ impl std::fmt::Debug for MorphSpatialQuery<'_, '_> {
     }
 }
 
-/// A collider, as a query sees it.
-pub(super) enum Target<'a> {
-    Mesh(Body<'a>),
-    Shape(&'a PlacedShape),
-}
-
 impl MorphSpatialQuery<'_, '_> {
     /// The maximum number of triangle pairs that an answer looks at.
     pub(super) fn list_limit(&self) -> usize {
@@ -102,7 +97,8 @@ impl MorphSpatialQuery<'_, '_> {
     pub(super) fn walker(&self) -> Option<Walker<'_, '_, '_>> {
         let (candidates, runs, state) = (self.candidates.as_ref()?, self.runs.as_ref()?, self.state.as_ref()?);
         Some(Walker {
-            spatial: self,
+            colliders: &self.colliders,
+            runs,
             candidates,
             index: state.index(candidates, runs, &self.states),
             borrowed: state.borrow(),
@@ -127,9 +123,7 @@ impl MorphSpatialQuery<'_, '_> {
     /// A collider's state after the last run; `None` if it took no part. Disabled entities are not updated, so their old state
     /// does not count when they are enabled again.
     pub(super) fn state(&self, collider: Entity) -> Option<&ColliderState> {
-        let runs = self.runs.as_ref()?;
-        let state = self.colliders.get(collider).ok()?;
-        state.freshness.is_seen(runs).then_some(state)
+        state_of(&self.colliders, self.runs.as_ref()?, collider)
     }
 
     /// Calls `ask` with a collider's mesh; `None` if the collider does not exist or has a shape.
@@ -149,15 +143,4 @@ impl MorphSpatialQuery<'_, '_> {
         let state = self.state(entity)?;
         self.surfaces.joint(entity, state, triangle, barycentrics)
     }
-}
-
-/// Calls `ask` with a collider in its current state.
-pub(super) fn with_target<T>(state: &ColliderState, ask: impl FnOnce(Target<'_>) -> T) -> Option<T> {
-    Some(match &state.placed.as_ref()?.form {
-        Form::Mesh(world_from_model) => {
-            let mut pose = state.pose.as_ref()?.lock();
-            ask(Target::Mesh(Body::new(&mut pose, world_from_model)))
-        }
-        Form::Shape(shape) => ask(Target::Shape(shape)),
-    })
 }

@@ -4,7 +4,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use morph_collision::{Aabb, Facing, InputError, PlacedShape, Rank, Ray, RayHit, ShapeImpact};
 
-use super::query::Target;
+use super::target::Target;
 use super::walker::Walker;
 use super::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 use crate::contacts::MorphContact;

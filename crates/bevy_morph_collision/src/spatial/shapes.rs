@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, PlacedShape, Rank, ShapeImpact};
 
-use super::query::Target;
 use super::rays::{HitRank, RayCast, enters};
+use super::target::Target;
 use super::walker::Walker;
 use super::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
 use crate::components::MorphShape;

@@ -6,16 +6,17 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use morph_collision::{Aabb, Body, Pose};
 
+use super::MorphQueryFilter;
 use super::index::ColliderIndex;
-use super::query::{Target, with_target};
 use super::state::{BorrowedQueries, Queries};
-use super::{MorphQueryFilter, MorphSpatialQuery};
+use super::target::{Target, state_of, with_target};
 use crate::broad_phase::Candidates;
-use crate::state::{ColliderState, Form};
+use crate::state::{ColliderState, Form, Runs};
 
 /// Walks over colliders, one walk after the other.
 pub(super) struct Walker<'a, 'w, 's> {
-    pub(super) spatial: &'a MorphSpatialQuery<'w, 's>,
+    pub(super) colliders: &'a Query<'w, 's, &'static ColliderState>,
+    pub(super) runs: &'a Runs,
     pub(super) candidates: &'a Candidates,
     pub(super) index: Arc<ColliderIndex>,
     pub(super) borrowed: BorrowedQueries<'a>,
@@ -42,7 +43,7 @@ impl Walker<'_, '_, '_> {
             let (collider, placed) = &self.candidates.colliders()[place];
             if filter.takes(*collider, placed)
                 && predicate(*collider)
-                && let Some(state) = self.spatial.state(*collider)
+                && let Some(state) = state_of(self.colliders, self.runs, *collider)
             {
                 let ask = |target: Target<'_>| at(queries, *collider, target);
                 let limit = match &mut self.copies {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::skin::SlotInfluences;
+use super::influences::SlotInfluences;
 use super::targets::sealed::Sealed;
 use super::targets::{SparseTarget, TargetDisplacements};
 use super::{Influences, ModelError, check};

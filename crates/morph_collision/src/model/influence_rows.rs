@@ -1,7 +1,7 @@
 //! The influences of joints on a model's vertices, in blocks.
 
 use super::blocks::{BLOCK, block_and_lane, repeated};
-use super::skin::{Influence, SlotInfluences};
+use super::influences::{Influence, SlotInfluences};
 
 /// The weights of a joint for the vertices of a block; 0 for those that it does not move.
 #[derive(Clone, Copy, Debug)]

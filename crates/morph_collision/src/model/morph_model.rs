@@ -6,7 +6,8 @@ use glam::{Vec3, Vec3A};
 
 use super::blocks::{BLOCK, BlockVectors, block_and_lane};
 use super::displacements::Displacements;
-use super::skin::{Influences, Skin, SlotInfluences};
+use super::influences::{Influences, SlotInfluences};
+use super::skin::Skin;
 use super::targets::TargetDisplacements;
 use super::weld::{Welded, weld};
 use super::{Displacement, ModelError, Weights, check, vertex_order};

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::blocks::{BLOCK, block_and_lane};
-use super::skin::Influence;
+use super::influences::Influence;
 use super::{BlendedBlock, Influences, MorphModel, PlacedBlock, Weights};
 use crate::bounds::{Kernel, with_simd};
 use crate::joints::JointMatrices;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::blocks::BLOCK;
-use super::skin::SlotInfluences;
+use super::influences::SlotInfluences;
 
 /// Within this many neighbouring vertices, those that the same joints move are put next to each other.
 const CELL: usize = 8 * BLOCK;

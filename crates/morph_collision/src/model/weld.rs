@@ -6,7 +6,7 @@ use glam::Vec3;
 use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 
-use super::skin::SlotInfluences;
+use super::influences::SlotInfluences;
 use super::targets::TargetDisplacements;
 
 /// The vertices that are kept.

@@ -8,6 +8,8 @@ use std::pin::{Pin, pin};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::task::{Context, Poll, Waker};
 
+use crate::model::MorphModel;
+
 /// The work left in the current step. One unit is roughly the work of adding one triangle of one shape to a box.
 #[derive(Debug)]
 pub(super) struct Budget {
@@ -60,4 +62,11 @@ pub(super) fn run_to_end<T>(build: impl Future<Output = T>) -> T {
             return built;
         }
     }
+}
+
+/// The work of measuring `count` vertices or children on every target.
+pub(super) fn work_on(model: &MorphModel, count: usize) -> usize {
+    /// Joints are not counted one by one, because a vertex has few.
+    const JOINTS: usize = 4;
+    count * (JOINTS + model.target_count())
 }

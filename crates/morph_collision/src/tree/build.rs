@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::vec;
 
-use super::budget::{Budget, run_to_end};
+use super::budget::{Budget, run_to_end, work_on};
 use super::extents::NodeExtents;
 use super::sah::Partition;
 use super::topology::{Child, Group};
@@ -116,13 +116,6 @@ pub(super) async fn build_over(
         certificates: Arc::default(),
         kernel: Kernel::default(),
     }
-}
-
-/// The work of measuring `count` vertices or children on every target.
-pub(super) fn work_on(model: &MorphModel, count: usize) -> usize {
-    /// Joints are not counted one by one, because a vertex has few.
-    const JOINTS: usize = 4;
-    count * (JOINTS + model.target_count())
 }
 
 struct Builder<'a, S> {

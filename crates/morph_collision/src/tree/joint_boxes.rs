@@ -1,6 +1,6 @@
 //! One box per joint around the vertices that it moves, before joints move them. Together they bound a body before any node is blended.
 
-use super::budget::Budget;
+use super::budget::{Budget, work_on};
 use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
 use super::topology::{Leaf, Topology};
@@ -21,7 +21,7 @@ impl JointBoxes {
         let mut is_used = vec![false; model.vertex_count()];
         for leaf in 0..topology.leaf_count() {
             let vertices = topology.leaf_vertices(Leaf(leaf));
-            budget.spend(super::build::work_on(model, vertices.len())).await;
+            budget.spend(work_on(model, vertices.len())).await;
             for &vertex in vertices {
                 if !std::mem::replace(&mut is_used[vertex as usize], true) {
                     let extents = NodeExtents::of_vertex(model, vertex);

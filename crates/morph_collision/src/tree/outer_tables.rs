@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::budget::Budget;
+use super::budget::{Budget, work_on};
 use super::chunks::Chunks;
 use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
@@ -83,7 +83,7 @@ impl OuterTables {
                 }
                 joints.sort();
                 for &vertex in &vertices {
-                    budget.spend(super::build::work_on(model, 1)).await;
+                    budget.spend(work_on(model, 1)).await;
                     joints.add(model, skin, vertex);
                 }
                 joints.finish(skin, &mut of_group, &mut extents);

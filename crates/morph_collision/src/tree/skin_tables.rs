@@ -36,19 +36,16 @@ impl SkinTables {
     }
 }
 
+/// Among joints with equal sums, the first one.
 fn middle(model: &MorphModel, skin: &Skin, joints: &JointBoxes) -> Option<(u16, Vec3)> {
     let mut sums = vec![0.0; skin.joint_count()];
     for influence in (0..model.vertex_count() as u32).flat_map(|vertex| skin.influences(vertex)) {
         sums[usize::from(influence.joint)] += f64::from(influence.weight);
     }
-    let mut largest = None;
-    for (blocks, tables) in joints.blocks() {
-        for (lane, &joint) in blocks.iter().enumerate() {
-            let sum = sums[usize::from(joint)];
-            if largest.is_none_or(|(most, _)| sum > most) {
-                largest = Some((sum, (joint, tables.base.get(lane).center())));
-            }
-        }
-    }
-    largest.map(|(_, middle)| middle)
+    let sum = |joint: u16| sums[usize::from(joint)];
+    let with_middles = joints.blocks().flat_map(|(joints, tables)| {
+        let middle = |(lane, joint): (usize, &u16)| (*joint, tables.base.get(lane).center());
+        joints.iter().enumerate().map(middle)
+    });
+    with_middles.max_by(|(a, _), (b, _)| sum(*a).total_cmp(&sum(*b)).then(b.cmp(a)))
 }

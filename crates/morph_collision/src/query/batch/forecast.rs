@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use super::plan::Wanted;
+use super::wanted::Wanted;
 use crate::query::QueryStats;
 
 /// Nanoseconds for each task, each test of two nodes and each test of two triangles, blending included. Fitted to times of the pass-through

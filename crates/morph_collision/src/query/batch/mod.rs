@@ -35,13 +35,15 @@ mod plan;
 mod query;
 mod questions;
 mod schedule;
+mod wanted;
 mod work;
 mod workers;
 
 pub(in crate::query) use one_body::{Latest, OneBodyBatch, OneBodyQuery};
-pub use plan::{PairTask, Wanted};
+pub use plan::PairTask;
 pub use query::{BatchAnswers, BatchQuery};
 pub use questions::{QuestionBatch, QuestionChunks};
+pub use wanted::Wanted;
 #[cfg(feature = "rayon")]
 pub use workers::RayonWorkers;
 pub use workers::{ThreadWorkers, Workers};

@@ -4,33 +4,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use super::forecast::{Forecast, Tally, is_worth};
+use super::wanted::Wanted;
 use crate::query::{Body, PairMemory, PairQuery, QueryStats};
 use crate::tree::NodeId;
-
-/// How many of two bodies' intersecting triangle pairs to find.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Wanted {
-    /// All of them.
-    #[default]
-    All,
-    /// At most this many: the pairs that [`PairQuery::up_to`] finds. [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated)
-    /// says whether there are more.
-    UpTo(usize),
-    /// One: the pair that [`PairQuery::first`] finds.
-    First,
-}
-
-impl Wanted {
-    /// The maximum length of the list.
-    #[must_use]
-    pub fn limit(self) -> usize {
-        match self {
-            Self::All => usize::MAX,
-            Self::UpTo(limit) => limit,
-            Self::First => 1,
-        }
-    }
-}
 
 /// A pair of bodies in a batch, by index, and what to find.
 #[derive(Debug)]

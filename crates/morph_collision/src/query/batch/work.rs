@@ -6,8 +6,9 @@ use std::sync::atomic::Ordering;
 
 use super::forecast::Tally;
 use super::lock::locked;
-use super::plan::{PairTask, Plan, Unit, Wanted};
+use super::plan::{PairTask, Plan, Unit};
 use super::schedule::Schedule;
+use super::wanted::Wanted;
 use crate::pose::Pose;
 use crate::query::capped::Capped;
 use crate::query::pairs::Start;

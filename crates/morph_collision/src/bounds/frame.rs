@@ -166,6 +166,10 @@ impl PlacedBounds {
         self.magnitude
     }
 
+    pub(super) fn spread(&self) -> DVec3 {
+        self.spread
+    }
+
     /// The map from the space of another body or frame to this body's; `None` if this body's map cannot be inverted.
     pub(crate) fn frame_from(&self, source: &Self) -> Option<Frame> {
         let mut frame = Frame::default();

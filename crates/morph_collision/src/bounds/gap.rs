@@ -61,12 +61,6 @@ impl GapFrame {
         list
     }
 
-    /// The first of [`list`](Self::list).
-    pub(super) fn first(a: &PlacedBounds, b: &PlacedBounds) -> Self {
-        let first = Self::of_a(a, b).or_else(|| Self::of_b(a, b));
-        first.map_or_else(|| Self::world(a, b), |(gap, _)| gap)
-    }
-
     /// The space of the first body, and the second result of [`diagonal_below`]; `None` if its map has no inverse.
     fn of_a(a: &PlacedBounds, b: &PlacedBounds) -> Option<(Self, f64)> {
         let mut frame = Frame::default();
@@ -100,11 +94,6 @@ impl GapFrame {
             metric,
             slack: slack(&frames[0], a.magnitude()) + slack(&frames[1], b.magnitude()),
         }
-    }
-
-    /// Whether boxes of `a` have to be mapped into the frame.
-    pub(super) fn maps_a(&self) -> bool {
-        self.frames[0].is_some()
     }
 
     #[inline]

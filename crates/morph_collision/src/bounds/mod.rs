@@ -16,6 +16,7 @@ mod moving_extent;
 mod moving_lanes;
 #[cfg(test)]
 mod probe;
+mod ray;
 mod rounding;
 mod slopes;
 mod transform;
@@ -36,10 +37,11 @@ pub(crate) use moving_extent::{MovingExtent, first_overlap};
 pub(crate) use moving_lanes::MovingLanes;
 #[cfg(test)]
 pub(crate) use probe::{ExactPoint, adjugate, exact_image, holds, lack, levels};
+pub(crate) use ray::{LocalRay, RayCull};
 pub(crate) use rounding::{down, up};
 pub(crate) use slopes::{Slopes, push_slopes, slopes_len};
 pub use transform::WorldFromModel;
-pub(crate) use world_query::{ByBox, LowerBounds, ModelPlane, RayCull};
+pub(crate) use world_query::{ByBox, LowerBounds, ModelPlane};
 
 #[cfg(test)]
 mod rounding_tests;

@@ -8,7 +8,7 @@ use super::cache::EpochCache;
 use super::chunk_boxes::ChunkBoxes;
 use super::placed_body::PlacedBody;
 use super::skinning::Skinning;
-use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::Triangle;
 use crate::model::{BlendedBlock, MorphModel, Weights, block_and_lane};
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, NodeId, SkinTables, Tables, Topology, gather};
@@ -56,7 +56,6 @@ pub(crate) struct Posed<'a> {
 pub(super) struct BlendBuffers {
     corners: Vec<CornerLanes>,
     points: Vec<[f32; 4]>,
-    pub(super) world: Vec<[f64; 4]>,
     pub(super) fitted: ChunkBoxes,
 }
 
@@ -190,6 +189,36 @@ impl Posed<'_> {
         } else {
             self.gather_corners(simd, leaf, patch, corners);
         }
+    }
+
+    /// The corners of a leaf's patch in the space of the boxes, up to [`Posed::corner_error`]. Unused lanes repeat the last triangle.
+    #[inline(always)]
+    pub(crate) fn box_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
+        if self.is_skinned() {
+            self.skinned_corners(simd, leaf, patch, corners);
+        } else {
+            self.patch_corners(simd, leaf, patch, corners);
+        }
+    }
+
+    /// By how much [`Posed::box_corners`] are rounded.
+    pub(crate) fn corner_error(&self) -> f32 {
+        self.skin.as_ref().map_or(0.0, |(_, skinning)| skinning.widening())
+    }
+
+    /// A leaf's triangle in world space, given the corners of its patch from [`Posed::box_corners`].
+    #[inline(always)]
+    pub(crate) fn patch_triangle(&self, leaf: Leaf, index: usize, corners: &CornerLanes) -> Triangle {
+        if self.is_skinned() {
+            return self.skinned_triangle(leaf, index);
+        }
+        let lane = index % LANES;
+        let corner = |[x, y, z]: &[Lanes; 3]| {
+            let posed = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
+            self.world_from_model.transform_point(posed)
+        };
+        let [a, b, c] = corners;
+        [corner(a), corner(b), corner(c)]
     }
 
     #[inline(always)]

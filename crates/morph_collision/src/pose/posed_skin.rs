@@ -7,9 +7,10 @@ use super::chunk_boxes::around;
 use super::posed::Posed;
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
-use crate::bounds::{Aabb, BoxLanes, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
+use crate::exact::Triangle;
 use crate::model::BLOCK;
-use crate::tree::{ChildKind, Leaf, Source};
+use crate::tree::{ChildKind, CornerLanes, Leaf, Source, gather_from};
 
 impl<'a> Posed<'a> {
     /// Whether joints place the vertices.
@@ -163,14 +164,30 @@ impl<'a> Posed<'a> {
         LeafPositions { vertices, world }
     }
 
-    /// The positions of a leaf's vertices in world space. The fourth number of each is padding.
-    pub(crate) fn world_vertices(&mut self, leaf: Leaf) -> &[[f64; 4]] {
-        let mut positions = std::mem::take(&mut self.buffers.world);
-        positions.clear();
-        let LeafPositions { vertices, world } = self.leaf_positions(leaf);
-        positions.extend(vertices.iter().map(|&vertex| world[vertex as usize]));
-        self.buffers.world = positions;
-        &self.buffers.world
+    /// The corners of a leaf's patch in the body's frame, rounded to `f32`. Unused lanes repeat the last triangle.
+    #[inline(always)]
+    pub(super) fn skinned_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
+        let mesh = self.topology.leaf_mesh(leaf);
+        let first = patch * LANES;
+        let triangles = &mesh.corners[first..mesh.corners.len().min(first + LANES)];
+        if let Some(skinning) = self.pose_leaf(leaf) {
+            gather_from(simd, triangles, mesh.vertices, skinning.vertices.local(), corners);
+        }
+    }
+
+    /// A triangle of a leaf in world space. The leaf must be posed.
+    #[inline]
+    pub(super) fn skinned_triangle(&self, leaf: Leaf, index: usize) -> Triangle {
+        let Some((_, skinning)) = &self.skin else {
+            return Triangle::default();
+        };
+        let (mesh, world) = (self.topology.leaf_mesh(leaf), skinning.vertices.world());
+        let [a, b, c] = mesh.corners[index];
+        let corner = |corner: u16| {
+            let [x, y, z, _] = world[mesh.vertices[usize::from(corner)] as usize];
+            DVec3::new(x, y, z)
+        };
+        [corner(a), corner(b), corner(c)]
     }
 }
 

@@ -75,7 +75,13 @@ impl Skinning {
         self.error = 4.0 * skin.most_influences() as f64 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
         self.origin = tree.skin.middle.map_or(DVec3::ZERO, |(joint, point)| {
             let ([x, y, z, translation], point) = (self.joints.columns(joint), point.as_dvec3());
-            x * point.x + y * point.y + z * point.z + translation
+            let middle = x * point.x + y * point.y + z * point.z + translation;
+            // Beyond the range of `f32` no box is bounded, wherever the origin is.
+            if middle.abs().max_element() <= f64::from(MAX_REACH) {
+                middle
+            } else {
+                DVec3::ZERO
+            }
         });
         let moved = self.joints.linear_reach() * self.reach + self.joints.spread(self.origin);
         let missing = skin.max_missing() * self.origin.abs().max_element();

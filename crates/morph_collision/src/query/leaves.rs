@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use crate::bounds::{LANES, Lanes, WorldFromModel};
 use crate::exact::Triangle;
-use crate::pose::{EpochCache, Posed};
+use crate::pose::{EpochCache, LeafPositions, Posed};
 use crate::tree::{CornerLanes, Leaf};
 
 /// The triangles, in world space, of the leaves of one body that a query has read. The next query reuses the memory.
@@ -53,9 +53,9 @@ pub(super) fn place_leaf(
     let numbers = tree.topology.leaf_triangles(leaf);
     if tree.is_skinned() {
         let mesh = tree.topology.leaf_mesh(leaf);
-        let points = tree.world_vertices(leaf);
+        let LeafPositions { vertices, world } = tree.leaf_positions(leaf);
         let point = |vertex: u16| {
-            let [x, y, z, _] = points[usize::from(vertex)];
+            let [x, y, z, _] = world[vertices[usize::from(vertex)] as usize];
             DVec3::new(x, y, z)
         };
         let corners = |triangle: &[u16; 3]| triangle.map(point);

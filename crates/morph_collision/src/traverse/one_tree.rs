@@ -1,15 +1,11 @@
 //! The walk over one tree.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use crate::bounds::{LANES, LowerBounds, with_simd};
-use crate::pose::{NodeRef, Posed};
-use crate::tree::{ChildKind, Leaf};
-
-/// The nodes still to visit, lowest bound first. Later walks reuse the memory.
-pub(crate) type Queue = BinaryHeap<Entry<NodeRef>>;
+use crate::bounds::{LANES, LowerBounds, lanes_of, with_simd};
+use crate::pose::Posed;
+use crate::tree::{Child, ChildKind, Leaf};
 
 /// A node, or a pair of nodes, and its lower bound.
 #[derive(Clone, Copy, Debug)]
@@ -39,11 +35,43 @@ impl<N> PartialEq for Entry<N> {
 
 impl<N> Eq for Entry<N> {}
 
-/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until a bound exceeds the limit
-/// or `at_leaf` breaks.
+/// The nodes still to visit. Later walks reuse the memory.
+#[derive(Debug, Default)]
+pub(crate) struct Queue {
+    /// In descending order of their bounds, except as [`Queue::push`] says.
+    waiting: Vec<Waiting>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    bound: f64,
+    node: Child,
+}
+
+impl Queue {
+    /// Most of the time, few nodes wait, and a new one is among the nearest. If very many wait, a far one may be visited early, so
+    /// that no node costs more than this many steps.
+    const MOST_STEPS: usize = 128;
+
+    #[inline(always)]
+    fn push(&mut self, new: Waiting) {
+        let mut at = self.waiting.len();
+        self.waiting.push(new);
+        let last = at.saturating_sub(Self::MOST_STEPS);
+        while at > last && self.waiting[at - 1].bound < new.bound {
+            self.waiting[at] = self.waiting[at - 1];
+            at -= 1;
+        }
+        self.waiting[at] = new;
+    }
+}
+
+/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until all bounds exceed the limit
+/// or `at_leaf` breaks. If more than a hundred nodes wait, the order is only roughly ascending.
 ///
 /// `at_leaf` returns the new limit. A break is passed on to the caller. Nodes that cannot contain an answer are not opened, so
 /// nothing below them is blended. Adds the number of boxes tested to `node_tests`.
+#[inline]
 pub(crate) fn walk_one<'p>(
     tree: &mut Posed<'p>,
     queue: &mut Queue,
@@ -53,31 +81,28 @@ pub(crate) fn walk_one<'p>(
     mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
 ) -> ControlFlow<()> {
     let mut lowest = [0.0; LANES];
-    let mut enqueue = |queue: &mut Queue, tree: &mut Posed<'p>, group, limit| {
+    queue.waiting.clear();
+    let mut group = 0;
+    loop {
         let slot = tree.open(group);
-        let count = tree.topology.group(group).children().len();
-        with_simd!(tree.level, simd => bounds.lower_bounds(simd, tree.boxes(slot), count, &mut lowest));
-        for (lane, &bound) in lowest.iter().enumerate().take(count) {
-            // False for NaN.
-            if bound <= limit {
-                queue.push(Entry {
-                    bound,
-                    node: tree.node(slot, group, lane),
-                });
+        let within = with_simd!(tree.level, simd => bounds.lower_bounds(simd, tree.boxes(slot), limit, &mut lowest));
+        let children = tree.topology.group(group);
+        *node_tests += children.children().len() as u64;
+        for lane in lanes_of(within & children.mask()) {
+            let (bound, node) = (lowest[lane % LANES], children.child(lane));
+            queue.push(Waiting { bound, node });
+        }
+        group = loop {
+            let Some(Waiting { bound, node }) = queue.waiting.pop() else {
+                return ControlFlow::Continue(());
+            };
+            if bound > limit {
+                continue;
             }
-        }
-        count as u64
-    };
-    queue.clear();
-    *node_tests += enqueue(queue, tree, 0, limit);
-    while let Some(Entry { bound: lowest, node }) = queue.pop() {
-        if lowest > limit {
-            break;
-        }
-        match node.child.kind() {
-            ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,
-            ChildKind::Group(group) => *node_tests += enqueue(queue, tree, group, limit),
-        }
+            match node.kind() {
+                ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,
+                ChildKind::Group(group) => break group,
+            }
+        };
     }
-    ControlFlow::Continue(())
 }

@@ -79,7 +79,7 @@ fn one_by_one(pose: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> OneByO
     let mut node_tests = 0;
     let is_ahead = |bounds: &Box64| bounds.center.x + bounds.half.x >= 0.0;
     let bounds = ByBox(|bounds: &Box64| is_ahead(bounds).then_some(bounds.center.x - bounds.half.x));
-    let (tree, queue) = (&mut pose.posed(), &mut Queue::new());
+    let (tree, queue) = (&mut pose.posed(), &mut Queue::default());
     let flow = walk_one(tree, queue, limit, &bounds, &mut node_tests, |tree, leaf| {
         visited.push(triangle(tree, leaf));
         next

@@ -143,14 +143,43 @@ fn count_targets(
 /// Lanes beyond the last triangle repeat it, so a condition on all lanes is a condition on all triangles.
 #[inline(always)]
 pub(crate) fn gather<S: Simd>(simd: S, triangles: &[[u16; 3]], points: &[[f32; 4]], lanes: &mut CornerLanes) {
-    let mut of_lanes = [triangles.last().copied().unwrap_or_default(); LANES];
-    of_lanes[..triangles.len()].copy_from_slice(triangles);
-    for (corner, rows) in lanes.iter_mut().enumerate() {
-        for first in [0, LANES / 2] {
-            let a = f32x4::from_slice(simd, &points[usize::from(of_lanes[first][corner])]);
-            let b = f32x4::from_slice(simd, &points[usize::from(of_lanes[first + 1][corner])]);
-            let c = f32x4::from_slice(simd, &points[usize::from(of_lanes[first + 2][corner])]);
-            let d = f32x4::from_slice(simd, &points[usize::from(of_lanes[first + 3][corner])]);
+    gather_by(simd, triangles, |corner| &points[usize::from(corner)], lanes);
+}
+
+/// Likewise for triangles that index `vertices`, which index `points`.
+#[inline(always)]
+pub(crate) fn gather_from<S: Simd>(
+    simd: S,
+    triangles: &[[u16; 3]],
+    vertices: &[u32],
+    points: &[[f32; 4]],
+    lanes: &mut CornerLanes,
+) {
+    gather_by(
+        simd,
+        triangles,
+        |corner| &points[vertices[usize::from(corner)] as usize],
+        lanes,
+    );
+}
+
+#[inline(always)]
+fn gather_by<'p, S: Simd>(
+    simd: S,
+    triangles: &[[u16; 3]],
+    point: impl Fn(u16) -> &'p [f32; 4],
+    lanes: &mut CornerLanes,
+) {
+    let Some(last) = triangles.len().checked_sub(1) else {
+        return;
+    };
+    for first in [0, LANES / 2] {
+        let [p, q, r, s] = [0, 1, 2, 3].map(|i| &triangles[(first + i).min(last)]);
+        for (corner, rows) in lanes.iter_mut().enumerate() {
+            let a = f32x4::from_slice(simd, point(p[corner]));
+            let b = f32x4::from_slice(simd, point(q[corner]));
+            let c = f32x4::from_slice(simd, point(r[corner]));
+            let d = f32x4::from_slice(simd, point(s[corner]));
             let (ac, bd) = (a.zip_low(c), b.zip_low(d));
             let (ac_high, bd_high) = (a.zip_high(c), b.zip_high(d));
             ac.zip_low(bd).store_slice(&mut rows[0].0[first..first + 4]);

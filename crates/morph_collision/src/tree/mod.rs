@@ -48,7 +48,7 @@ pub(crate) use chunks::Source;
 pub(crate) use joint_boxes::JointBoxes;
 pub use layout::TreeLayout;
 pub use layout_error::LayoutError;
-pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
+pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather, gather_from};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;

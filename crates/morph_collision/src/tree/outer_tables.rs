@@ -89,6 +89,8 @@ impl OuterTables {
                 joints.finish(skin, &mut of_group, &mut extents);
             }
             of_group.blocks = tables.add_boxes(&mut of_group.parts, extents);
+            of_group.children.shrink_to_fit();
+            of_group.parts.shrink_to_fit();
             tables.groups.push(of_group);
         }
         tables.boxes.finish();

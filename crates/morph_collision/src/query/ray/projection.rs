@@ -1,30 +1,28 @@
 //! Triangles projected along a ray, eight side by side in `f32`.
 
+use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f64x4};
-use glam::DVec3;
 
-use crate::bounds::{LANES, PlacedBounds};
-use crate::exact::{Line, power_of_two, power_of_two_below};
-use crate::pose::Posed;
-use crate::tree::{CornerLanes, Leaf, gather};
+use crate::bounds::{Lanes, LocalRay};
+use crate::exact::{power_of_two, power_of_two_below};
+use crate::tree::CornerLanes;
 
 /// A sheared projection along a ray to a coordinate plane, in which the ray's line is the origin.
 ///
-/// Let `d` be the ray's direction, `k` its largest axis, and `q = p - origin` for a point `p`. The projection of `p` has the coordinates
-/// `q_i - d_i / d_k q_k` for the two other axes `i`. The line passes through a triangle if the triangle's projection contains the
-/// origin.
-#[derive(Clone, Copy, Debug)]
+/// Let `d` be the ray's direction in the space of the boxes, `k` its largest axis, and `q = p - origin` for a point `p`. The projection of
+/// `p` has the coordinates `q_i - d_i / d_k q_k` for the two other axes `i`. The line passes through a triangle if the triangle's
+/// projection contains the origin.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RayProjection {
     /// `axes[2]` is the largest axis of the ray's direction.
     axes: [usize; 3],
-    shear: [f64; 2],
-    origin: DVec3,
-    /// The map from model space to both coordinates: factors for x, y and z, and an offset.
-    from_model: [[f64; 4]; 2],
+    /// The origin, along these axes.
+    origin: [f32; 3],
     /// A power of two that brings coordinates to a size around 1 or below.
-    scale: f64,
-    /// A bound on how far `f64` rounding moves a point.
+    scale: f32,
+    /// Times `scale`.
+    shear: [f32; 2],
+    /// A bound on the error of a projected coordinate before its last rounding. Infinite if nothing can be left out.
     error: f32,
 }
 
@@ -32,89 +30,53 @@ pub(super) struct RayProjection {
 const U: f32 = f32::EPSILON / 2.0;
 
 impl RayProjection {
-    pub(super) fn new(line: &Line, body: &PlacedBounds) -> Self {
-        let Line { origin, direction, .. } = *line;
+    /// `corner_error` bounds the error of corners along each axis. Without a ray in model space, no triangle is left out.
+    pub(super) fn new(ray: Option<&LocalRay>, corner_error: f32) -> Self {
+        let Some(ray) = ray.filter(|ray| ray.is_in_model) else {
+            let error = f32::INFINITY;
+            return Self {
+                error,
+                ..Self::default()
+            };
+        };
+        let direction = ray.direction;
         let k = direction.abs().max_position();
         let axes = [(k + 1) % 3, (k + 2) % 3, k];
-        let shear = [direction[axes[0]] / direction[k], direction[axes[1]] / direction[k]];
-        let reach = body.world_reach().element_sum() + origin.abs().element_sum();
+        let widest = ray.reach.max_element();
         // Clamped so that neither the scale nor its products overflow or underflow.
-        let unit = power_of_two_below(reach).clamp(power_of_two(-400), power_of_two(400));
+        let unit = power_of_two_below(widest).clamp(power_of_two(-100), power_of_two(100));
         let scale = unit.recip();
-        let world_from_model = body.world_from_model();
-        let along = |axis: usize, of: DVec3| scale * (of[axes[axis]] - shear[axis] * of[k]);
-        let columns = [
-            world_from_model.linear().x_axis,
-            world_from_model.linear().y_axis,
-            world_from_model.linear().z_axis,
-            world_from_model.translation() - origin,
-        ];
+        let shear = |axis: usize| (scale * (direction[axes[axis]] / direction[k])) as f32;
+        // A coordinate has the errors of two axes of the ray and of the corner, and less than eight roundings.
+        let error = 2.0 * (ray.error.max_element() + f64::from(corner_error)) + 8.0 * f64::from(U) * widest;
         Self {
             axes,
-            shear,
-            origin,
-            from_model: [0, 1].map(|axis| columns.map(|column| along(axis, column))),
-            scale,
-            // 128 roundings. A corner has fewer than 40, including those of its placement.
-            error: (64.0 * f64::EPSILON * reach * scale) as f32 + f32::MIN_POSITIVE,
+            origin: axes.map(|axis| ray.origin[axis] as f32),
+            scale: scale as f32,
+            shear: [shear(0), shear(1)],
+            error: (error * scale) as f32 * (1.0 + 4.0 * U) + f32::MIN_POSITIVE,
         }
     }
 
-    /// The triangles of a leaf's patch that the ray's line might meet, as a bit mask. `points` is scratch memory.
+    /// A bit mask of the triangles that the ray's line might meet, given their corners in the space of the boxes.
     #[inline(always)]
-    pub(super) fn candidates<S: Simd>(
-        &self,
-        simd: S,
-        tree: &mut Posed<'_>,
-        leaf: Leaf,
-        patch: usize,
-        points: &mut Vec<[f32; 4]>,
-    ) -> u8 {
-        let mut corners = CornerLanes::default();
-        let mesh = tree.topology.leaf_mesh(leaf);
-        let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
-        if tree.is_skinned() {
-            if patch == 0 {
-                points.clear();
-                for &[x, y, z, _] in tree.world_vertices(leaf) {
-                    points.push(self.project(DVec3::new(x, y, z)));
-                }
-            }
-            gather(simd, triangles, points, &mut corners);
-        } else {
-            tree.patch_corners(simd, leaf, patch, &mut corners);
-            self.project_lanes(simd, &mut corners);
-        }
-        let used = ((1_u16 << triangles.len()) - 1) as u8;
-        used & !self.misses(simd, &corners)
+    pub(super) fn candidates<S: Simd>(&self, simd: S, [a, b, c]: &CornerLanes) -> u8 {
+        // Closures are not inlined here.
+        let projected = [self.project(simd, a), self.project(simd, b), self.project(simd, c)];
+        !self.misses(simd, projected)
     }
 
-    /// Projects a point of world space; the result is in the first two numbers.
     #[inline(always)]
-    fn project(&self, point: DVec3) -> [f32; 4] {
-        let from_origin = point - self.origin;
+    fn project<S: Simd>(&self, simd: S, corner: &[Lanes; 3]) -> [f32x8<S>; 2] {
         let [i, j, k] = self.axes;
-        let along = from_origin[k];
-        let x = self.scale * (from_origin[i] - self.shear[0] * along);
-        let y = self.scale * (from_origin[j] - self.shear[1] * along);
-        [x as f32, y as f32, 0.0, 0.0]
-    }
-
-    /// Projects corners in model space, in place: replaces their first two coordinates.
-    #[inline(always)]
-    fn project_lanes<S: Simd>(&self, simd: S, corners: &mut CornerLanes) {
-        for rows in corners {
-            let (x, x_high) = rows[0].load(simd).widen();
-            let (y, y_high) = rows[1].load(simd).widen();
-            let (z, z_high) = rows[2].load(simd).widen();
-            for (&[m_x, m_y, m_z, translation], row) in self.from_model.iter().zip(rows) {
-                let (m_x, m_y) = (f64x4::splat(simd, m_x), f64x4::splat(simd, m_y));
-                let (m_z, translation) = (f64x4::splat(simd, m_z), f64x4::splat(simd, translation));
-                let low = ((m_x * x + m_y * y) + m_z * z) + translation;
-                let high = ((m_x * x_high + m_y * y_high) + m_z * z_high) + translation;
-                low.narrow(high).store_slice(&mut row.0);
-            }
-        }
+        let scale = f32x8::splat(simd, self.scale);
+        let along = corner[k].load(simd) - f32x8::splat(simd, self.origin[2]);
+        let x = (corner[i].load(simd) - f32x8::splat(simd, self.origin[0])) * scale;
+        let y = (corner[j].load(simd) - f32x8::splat(simd, self.origin[1])) * scale;
+        [
+            x - along * f32x8::splat(simd, self.shear[0]),
+            y - along * f32x8::splat(simd, self.shear[1]),
+        ]
     }
 
     /// A bit mask of the triangles that the line certainly misses: the origin is certainly left of one edge and right of another.
@@ -122,11 +84,7 @@ impl RayProjection {
     /// Let `E` be the error of a coordinate before it is rounded to `f32`, and `R` the largest coordinate of a triangle. The error of a
     /// turn `x_1 y_2 - y_1 x_2` is at most `4 R E + 8 U R^2` plus underflow. If `R^2` overflows, nothing is certain.
     #[inline(always)]
-    fn misses<S: Simd>(&self, simd: S, corners: &CornerLanes) -> u8 {
-        let [a, b, c] = corners;
-        let (a_x, a_y) = (a[0].load(simd), a[1].load(simd));
-        let (b_x, b_y) = (b[0].load(simd), b[1].load(simd));
-        let (c_x, c_y) = (c[0].load(simd), c[1].load(simd));
+    fn misses<S: Simd>(&self, simd: S, [[a_x, a_y], [b_x, b_y], [c_x, c_y]]: [[f32x8<S>; 2]; 3]) -> u8 {
         let of_a = a_x.abs().max(a_y.abs());
         let of_b = b_x.abs().max(b_y.abs());
         let of_c = c_x.abs().max(c_y.abs());
@@ -146,17 +104,17 @@ impl RayProjection {
 mod tests {
     use std::sync::Arc;
 
-    use glam::{Affine3A, Vec3};
+    use glam::{Affine3A, DVec3, Vec3};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
     use super::*;
-    use crate::bounds::{WorldFromModel, levels, with_simd};
-    use crate::exact::ray_meets_triangle;
+    use crate::bounds::{LANES, WorldFromModel, levels, with_simd};
+    use crate::exact::{Line, ray_meets_triangle};
     use crate::model::{Influences, MorphModel};
     use crate::pose::Pose;
     use crate::query::Body;
-    use crate::tree::{BuildOptions, MorphBvh};
+    use crate::tree::{BuildOptions, Leaf, MorphBvh};
 
     /// Random triangles in a cube of a given size, with a target that moves them a little.
     fn soup(rng: &mut Pcg64Mcg, size: f32, is_skinned: bool) -> Pose {
@@ -214,16 +172,16 @@ mod tests {
                     direction: along / along.abs().max_element(),
                     max_t: f64::INFINITY,
                 };
-                let projection = RayProjection::new(&line, &tree.placed_body().placed);
+                let local = LocalRay::new(line.origin, line.direction, &tree.placed_body().placed);
+                let projection = RayProjection::new(local.as_ref(), tree.corner_error());
                 for leaf in (0..tree.topology.leaf_count()).map(Leaf) {
                     for patch in 0..tree.topology.patches(leaf).len() {
                         for &level in levels() {
-                            let mut points = Vec::new();
-                            if patch > 0 {
-                                with_simd!(level, simd => projection.candidates(simd, tree, leaf, 0, &mut points));
-                            }
-                            let candidates =
-                                with_simd!(level, simd => projection.candidates(simd, tree, leaf, patch, &mut points));
+                            let mut corners = CornerLanes::default();
+                            let candidates = with_simd!(level, simd => {
+                                tree.box_corners(simd, leaf, patch, &mut corners);
+                                projection.candidates(simd, &corners)
+                            });
                             let numbers = tree
                                 .topology
                                 .leaf_triangles(leaf)
@@ -231,10 +189,11 @@ mod tests {
                                 .nth(patch)
                                 .unwrap()
                                 .to_vec();
-                            assert_eq!(u32::from(candidates) >> numbers.len(), 0);
                             for (lane, number) in numbers.into_iter().enumerate() {
                                 let is_met = ray_meets_triangle(&line, &tree.world_triangle(number)).is_some();
                                 let is_candidate = candidates >> lane & 1 == 1;
+                                let triangle = tree.patch_triangle(leaf, patch * LANES + lane, &corners);
+                                assert_eq!(triangle, tree.world_triangle(number));
                                 assert!(is_candidate || !is_met, "case {case}, ray {ray}, triangle {number}");
                                 met += u32::from(is_met);
                                 // Very far away, triangles are no larger than the rounding errors of their positions.

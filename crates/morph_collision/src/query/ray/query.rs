@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::projection::RayProjection;
-use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
+use crate::bounds::{LANES, LocalRay, RayCull, lanes_of, with_simd};
 use crate::exact::{Crossing, Triangle, closest_on_triangle, ray_meets_triangle};
 use crate::input_error::InputError;
 use crate::query::anchor::SurfaceAnchor;
@@ -15,6 +15,7 @@ use crate::query::body::Body;
 use crate::query::input::Ray;
 use crate::query::one_body::OneBody;
 use crate::query::rank::Rank;
+use crate::tree::CornerLanes;
 
 /// The side of a triangle that a ray hits. From the front, the corners appear counter-clockwise in world space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -74,8 +75,6 @@ pub struct RayHit {
 #[derive(Debug, Default)]
 pub struct RayQuery {
     pub(super) one: OneBody,
-    /// Scratch memory.
-    points: Vec<[f32; 4]>,
     /// Scratch memory: hits to sort.
     ranked: Vec<(Rank<u32>, RayHit)>,
     pub(super) batch: OneBodyBatch<Self>,
@@ -200,21 +199,27 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let placed = body.posed().placed_body().placed;
-        let (cull, projection) = (
-            RayCull::new(line.origin, line.direction, &placed),
-            RayProjection::new(line, &placed),
-        );
+        let (cull, projection) = {
+            let tree = &mut body.posed();
+            let (corner_error, placed) = (tree.corner_error(), &tree.placed_body().placed);
+            let local = LocalRay::new(line.origin, line.direction, placed);
+            let local = local.as_ref();
+            (RayCull::new(local, placed), RayProjection::new(local, corner_error))
+        };
         // The part of the ray on which hits still matter.
         let mut near = *line;
-        let points = &mut self.points;
         self.one.walk_leaves(body, line.max_t, &cull, |tree, leaf| {
-            for patch in 0..tree.topology.patches(leaf).len() {
-                let candidates = with_simd!(tree.level, simd => projection.candidates(simd, tree, leaf, patch, points));
-                for lane in lanes_of(candidates) {
-                    let number = tree.topology.leaf_triangles(leaf)[patch * LANES + lane];
-                    let triangle = tree.world_triangle(number);
+            let triangles = tree.topology.leaf_triangles(leaf).len();
+            for first in (0..triangles).step_by(LANES) {
+                let mut corners = CornerLanes::default();
+                let candidates = with_simd!(tree.level, simd => {
+                    tree.box_corners(simd, leaf, first / LANES, &mut corners);
+                    projection.candidates(simd, &corners)
+                });
+                for lane in lanes_of(candidates).take_while(|lane| first + lane < triangles) {
+                    let triangle = tree.patch_triangle(leaf, first + lane, &corners);
                     if let Some(crossing) = ray_meets_triangle(&near, &triangle) {
+                        let number = tree.topology.leaf_triangles(leaf)[first + lane];
                         near.max_t = at_hit(number, &crossing, &triangle)?.min(line.max_t);
                     }
                 }

@@ -22,7 +22,7 @@ use crate::hash::{START, hash};
 ///
 /// Positions are in the mesh's own space and unit. Memory:
 ///
-/// - 13 bytes per welded vertex, and 4 per source vertex
+/// - 12 bytes per welded vertex, 12 per block, and 4 per source vertex
 /// - 12 bytes per triangle
 /// - 96 bytes per block and target that moves any of its vertices
 /// - 2 bytes per target in each distinct set of targets that moves a block

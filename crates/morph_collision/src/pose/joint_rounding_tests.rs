@@ -149,8 +149,8 @@ impl Case {
     }
 }
 
-fn highest(shares: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    shares.fold(Some(f64::NEG_INFINITY), |most, share| Some(most?.max(share?)))
+fn highest(mut shares: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    shares.try_fold(f64::NEG_INFINITY, |most, share| Some(most.max(share?)))
 }
 
 /// The largest share of its slack that a box relative to `origin` needs to contain some points in the world. Without rounding, it would fit

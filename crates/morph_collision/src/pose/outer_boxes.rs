@@ -8,7 +8,7 @@ use super::part_boxes::{PartBlock, PartBoxes};
 use super::skin_tree::{MAX_REACH, SkinTree};
 use crate::bounds::{Aabb, BoxLanes, Corners, LANES, with_simd};
 use crate::joints::JointMatrices;
-use crate::tree::OuterTables;
+use crate::tree::{OuterGroup, OuterTables};
 
 /// The boxes of the parts of the nodes above the chunks.
 #[derive(Clone, Debug, Default)]
@@ -40,10 +40,10 @@ impl OuterBoxes {
     ) {
         let group = &mut self.groups[outer];
         group.blend(tree.level, tree.skin.outer.blocks(outer), tree.weights);
-        let reach = joints.world_reach(group.reach());
+        let (reach, of_tree) = (joints.world_reach(group.reach()), tree.skin.outer.group(outer));
         match group.blocks() {
             Some(parts) => {
-                with_simd!(tree.level, simd => bound(simd, tree, outer, parts, joints, origin, reach, boxes))
+                with_simd!(tree.level, simd => bound(simd, of_tree, parts, joints, origin, reach, boxes));
             }
             None => boxes.set_all(&Aabb::UNBOUNDED),
         }
@@ -54,12 +54,11 @@ impl OuterBoxes {
     }
 }
 
-/// Derived in docs/numerics.md, "Boxes under joints".
+/// Derived in docs/numerics.md, "Boxes above chunks".
 #[inline(always)]
 fn bound<S: Simd>(
     simd: S,
-    tree: SkinTree<'_>,
-    outer: usize,
+    group: &OuterGroup,
     parts: &[PartBlock],
     joints: &JointMatrices,
     origin: DVec3,
@@ -70,7 +69,6 @@ fn bound<S: Simd>(
     let world = f64x4::from_slice(simd, &[origin.x, origin.y, origin.z, 0.0]);
     // Narrowing rounds by at most half of this share.
     let of_narrowing = f64x4::splat(simd, f64::from(f32::EPSILON));
-    let group = tree.skin.outer.group(outer);
     let roundings = (20.0 + 8.0 * group.most_parts as f64) * f64::EPSILON;
     let far = origin.abs().max_element();
     let reach = reach + far;

@@ -103,10 +103,9 @@ impl PartBlock {
     pub(super) fn image<S: Simd>(&self, simd: S, lane: usize, [x, y, z, offset]: [f64x4<S>; 4]) -> [f64x4<S>; 2] {
         let lane = lane % LANES;
         let (mut middle, mut radius) = (offset, f64x4::splat(simd, 0.0));
-        let columns = [x, y, z];
-        for axis in 0..3 {
-            middle += columns[axis] * f64x4::splat(simd, self.center[axis][lane]);
-            radius += columns[axis].abs() * f64x4::splat(simd, self.half[axis][lane]);
+        for ((column, center), half) in [x, y, z].into_iter().zip(&self.center).zip(&self.half) {
+            middle += column * f64x4::splat(simd, center[lane]);
+            radius += column.abs() * f64x4::splat(simd, half[lane]);
         }
         [middle, radius]
     }

@@ -52,7 +52,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather, gather
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
-pub(crate) use outer_tables::OuterTables;
+pub(crate) use outer_tables::{OuterGroup, OuterTables};
 pub(crate) use owners::{Owned, Owners};
 pub(crate) use self_front::{Apart, SelfFront};
 pub(crate) use skin_tables::SkinTables;

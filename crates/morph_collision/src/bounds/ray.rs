@@ -201,7 +201,7 @@ impl Slab {
 
 impl LowerBounds for RayCull {
     #[inline(always)]
-    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, limit: f64, bounds: &mut [f64; LANES]) -> u8 {
+    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, lanes: u8, limit: f64, bounds: &mut [f64; LANES]) -> u8 {
         let in_world;
         let boxes = match &self.map {
             None => boxes,
@@ -229,7 +229,7 @@ impl LowerBounds for RayCull {
         low.store_slice(&mut bounds[..4]);
         high.store_slice(&mut bounds[4..]);
         let within = low.simd_le(limit).to_bitmask() | high.simd_le(limit).to_bitmask() << 4;
-        within as u8 & !missed
+        within as u8 & !missed & lanes
     }
 }
 
@@ -247,7 +247,7 @@ mod tests {
         let cull = RayCull::new(LocalRay::new(origin, direction, &body).as_ref(), &body);
         let mut bounds = [0.0; LANES];
         let within = with_simd!(Kernel::default().level, simd => {
-            cull.lower_bounds(simd, boxes, f64::INFINITY, &mut bounds)
+            cull.lower_bounds(simd, boxes, u8::MAX, f64::INFINITY, &mut bounds)
         });
         std::array::from_fn(|lane| {
             if within >> lane & 1 == 1 {
@@ -274,7 +274,8 @@ mod tests {
                     let cull = RayCull::new(local.as_ref(), &body);
                     for &level in levels() {
                         let mut bounds = [f64::NAN; LANES];
-                        let within = with_simd!(level, simd => cull.lower_bounds(simd, &boxes, 0.0, &mut bounds));
+                        let within =
+                            with_simd!(level, simd => cull.lower_bounds(simd, &boxes, u8::MAX, 0.0, &mut bounds));
                         assert_eq!(
                             (bounds, within),
                             ([0.0; LANES], u8::MAX),

@@ -4,13 +4,13 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::rounding::U64;
-use super::{Box64, BoxLanes, LANES, PlacedBounds};
+use super::{Box64, BoxLanes, LANES, PlacedBounds, lanes_of};
 
 /// Computes lower bounds, such as on a distance, for everything in a box, for all children of a node at once.
 pub(crate) trait LowerBounds {
-    /// Sets the numbers to the bounds of all boxes. Returns the bit mask of the boxes whose bound is at most the limit. Lanes without a
-    /// child get arbitrary numbers and bits.
-    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, limit: f64, bounds: &mut [f64; LANES]) -> u8;
+    /// Sets the numbers to the bounds of the boxes in some lanes. Returns the bit mask of those whose bound is at most the limit. The other
+    /// numbers are arbitrary.
+    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, lanes: u8, limit: f64, bounds: &mut [f64; LANES]) -> u8;
 }
 
 /// Lower bounds from a function of one box; `None` for boxes to skip.
@@ -18,12 +18,12 @@ pub(crate) struct ByBox<F>(pub(crate) F);
 
 impl<F: Fn(&Box64) -> Option<f64>> LowerBounds for ByBox<F> {
     #[inline(always)]
-    fn lower_bounds<S: Simd>(&self, _: S, boxes: &BoxLanes, limit: f64, bounds: &mut [f64; LANES]) -> u8 {
+    fn lower_bounds<S: Simd>(&self, _: S, boxes: &BoxLanes, lanes: u8, limit: f64, bounds: &mut [f64; LANES]) -> u8 {
         let mut within = 0;
-        for (lane, bound) in bounds.iter_mut().enumerate() {
+        for lane in lanes_of(lanes) {
             if let Some(lowest) = self.0(&Box64::of(&boxes.get(lane))) {
-                *bound = lowest;
-                within |= u8::from(lowest <= limit) << lane;
+                bounds[lane % LANES] = lowest;
+                within |= u8::from(lowest <= limit) << (lane % LANES);
             }
         }
         within

@@ -35,10 +35,11 @@ impl OneBody {
             let numbers = tree.topology.leaf_triangles(leaf);
             for (patch, numbers) in numbers.chunks(LANES).enumerate() {
                 let (mut corners, mut lowest) = (CornerLanes::default(), [0.0; LANES]);
-                let error = tree.corner_error();
+                let (error, lanes) = (tree.corner_error(), u8::MAX >> (LANES - numbers.len()));
                 let within = with_simd!(tree.level, simd => {
                     tree.box_corners(simd, leaf, patch, &mut corners);
-                    bounds.lower_bounds(simd, &BoxLanes::of_triangles(simd, &corners, error), limit, &mut lowest)
+                    let boxes = BoxLanes::of_triangles(simd, &corners, error);
+                    bounds.lower_bounds(simd, &boxes, lanes, limit, &mut lowest)
                 });
                 for (lane, &number) in numbers.iter().enumerate() {
                     if within >> lane & 1 == 1 && lowest[lane] <= limit {

@@ -1,6 +1,7 @@
 //! The walk over one tree.
 
 use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 use crate::bounds::{LANES, LowerBounds, lanes_of, with_simd};
@@ -35,39 +36,48 @@ impl<N> PartialEq for Entry<N> {
 
 impl<N> Eq for Entry<N> {}
 
-/// The nodes still to visit. Later walks reuse the memory.
+/// The nodes still to visit, lowest bound first. Later walks reuse the memory.
 #[derive(Debug, Default)]
 pub(crate) struct Queue {
-    /// In descending order of their bounds, except as [`Queue::push`] says.
-    waiting: Vec<Waiting>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Waiting {
-    bound: f64,
-    node: Child,
+    /// At most [`Queue::FEW`] nodes, in descending order of their bounds. Rays rarely need more.
+    few: Vec<Entry<Child>>,
+    rest: BinaryHeap<Entry<Child>>,
 }
 
 impl Queue {
-    /// Most of the time, few nodes wait, and a new one is among the nearest. If very many wait, a far one may be visited early, so
-    /// that no node costs more than this many steps.
-    const MOST_STEPS: usize = 128;
+    const FEW: usize = 16;
+
+    fn clear(&mut self) {
+        self.few.clear();
+        self.rest.clear();
+    }
 
     #[inline(always)]
-    fn push(&mut self, new: Waiting) {
-        let mut at = self.waiting.len();
-        self.waiting.push(new);
-        let last = at.saturating_sub(Self::MOST_STEPS);
-        while at > last && self.waiting[at - 1].bound < new.bound {
-            self.waiting[at] = self.waiting[at - 1];
+    fn push(&mut self, new: Entry<Child>) {
+        let mut at = self.few.len();
+        if at == Self::FEW {
+            self.rest.push(new);
+            return;
+        }
+        self.few.push(new);
+        while at > 0 && self.few[at - 1].bound < new.bound {
+            self.few[at] = self.few[at - 1];
             at -= 1;
         }
-        self.waiting[at] = new;
+        self.few[at] = new;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Entry<Child>> {
+        match (self.rest.peek(), self.few.last()) {
+            (Some(rest), few) if few.is_none_or(|few| rest.bound < few.bound) => self.rest.pop(),
+            _ => self.few.pop(),
+        }
     }
 }
 
-/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until all bounds exceed the limit
-/// or `at_leaf` breaks. If more than a hundred nodes wait, the order is only roughly ascending.
+/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until a bound exceeds the limit
+/// or `at_leaf` breaks.
 ///
 /// `at_leaf` returns the new limit. A break is passed on to the caller. Nodes that cannot contain an answer are not opened, so
 /// nothing below them is blended. Adds the number of boxes tested to `node_tests`.
@@ -81,23 +91,25 @@ pub(crate) fn walk_one<'p>(
     mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
 ) -> ControlFlow<()> {
     let mut lowest = [0.0; LANES];
-    queue.waiting.clear();
+    queue.clear();
     let mut group = 0;
     loop {
         let slot = tree.open(group);
-        let within = with_simd!(tree.level, simd => bounds.lower_bounds(simd, tree.boxes(slot), limit, &mut lowest));
         let children = tree.topology.group(group);
         *node_tests += children.children().len() as u64;
-        for lane in lanes_of(within & children.mask()) {
+        let within = with_simd!(tree.level, simd => {
+            bounds.lower_bounds(simd, tree.boxes(slot), children.mask(), limit, &mut lowest)
+        });
+        for lane in lanes_of(within) {
             let (bound, node) = (lowest[lane % LANES], children.child(lane));
-            queue.push(Waiting { bound, node });
+            queue.push(Entry { bound, node });
         }
         group = loop {
-            let Some(Waiting { bound, node }) = queue.waiting.pop() else {
+            let Some(Entry { bound, node }) = queue.pop() else {
                 return ControlFlow::Continue(());
             };
             if bound > limit {
-                continue;
+                return ControlFlow::Continue(());
             }
             match node.kind() {
                 ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,

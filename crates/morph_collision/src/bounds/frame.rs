@@ -80,9 +80,9 @@ fn vector<S: Simd>(lanes: f64x4<S>) -> DVec3 {
 /// A frame for the boxes of two bodies: the map of each body into it, or `None` if the frame is that body's own space.
 pub(super) type Frames = [Option<Frame>; 2];
 
-/// The frames in which boxes of two placed bodies are compared: the two bodies' own spaces (SAT-lite), or
-/// only A's if both have the same axes. World space is added if neither
-/// body's map has an accurate inverse, which happens if both are much flatter or thinner in the world than in their own space.
+/// The frames in which boxes of two placed bodies are compared: the two bodies' own spaces (SAT-lite), or only A's if both have the same
+/// axes. World space is added if neither body's map has an accurate inverse, which happens if both are much flatter or thinner in the world
+/// than in their own space.
 ///
 /// Calls `visit` with each frame, as soon as it is computed, until it returns false: with the map of each body into the frame, `None` if
 /// it is that body's own space.

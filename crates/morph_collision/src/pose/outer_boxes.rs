@@ -74,7 +74,7 @@ fn bound<S: Simd>(
     let reach = reach + far;
     let mut corners = [Corners::default(); LANES];
     for ((joint_parts, [least, most]), corners) in group.children().zip(&mut corners) {
-        // The extra joint takes every point to the world's origin.
+        // A child that no joint moves is at the world's origin.
         let (mut low, mut high) = (zero - world, zero - world);
         for (index, part) in joint_parts.iter().enumerate() {
             let mut columns = joints.loaded(simd, part.joint);

@@ -84,6 +84,7 @@ impl<'a> Posed<'a> {
                 };
                 boxes.set(lane, &bounds);
             }
+            self.blended.volumes += self.topology.group(group).children().len() as u64;
             self.boxes.insert(group, boxes);
         }
     }

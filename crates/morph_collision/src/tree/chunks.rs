@@ -9,7 +9,7 @@ use super::budget::Budget;
 use super::topology::{Child, ChildKind, Leaf, Topology};
 use crate::model::BLOCK;
 
-/// A chunk is a largest subtree with at most this many triangles. Chosen by instruction counts (docs/tried.md).
+/// A chunk is a largest subtree with at most this many triangles, or a single leaf. Chosen by instruction counts (docs/tried.md).
 pub(super) const MAX_TRIANGLES: usize = 128;
 
 /// A subtree that is posed as a whole. It may be a single leaf.
@@ -65,12 +65,7 @@ impl Chunks {
         while let Some(node) = rest.pop() {
             match node.kind() {
                 ChildKind::Group(group)
-                    if group == 0
-                        || topology.triangles_below(node).len()
-                            > std::env::var("CH")
-                                .ok()
-                                .and_then(|v| v.parse().ok())
-                                .unwrap_or(MAX_TRIANGLES) =>
+                    if group == 0 || topology.triangles_below(node).len() > MAX_TRIANGLES =>
                 {
                     chunks.of_groups[group] = outer | OUTER;
                     outer += 1;

@@ -76,6 +76,7 @@ impl OuterTables {
             let is_hull = matches!(children, [root] if chunks.is_outer(*root));
             for node in if is_hull { &[] } else { children } {
                 let vertices = vertices_below(topology, *node, &mut seen, budget).await;
+                budget.spend(skin.joint_count()).await;
                 let mut joints = Joints::new(skin);
                 for vertices in vertices.chunks(PIECE) {
                     budget.spend(vertices.len()).await;

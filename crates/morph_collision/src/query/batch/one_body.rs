@@ -67,9 +67,10 @@ impl<Q: OneBodyQuery> OneBodyBatch<Q> {
             return answer(body, self.questions.order());
         }
         let work = answer(body.reborrow(), &self.questions.take_sample(SAMPLE));
-        let tests = (work.node_tests + work.triangle_tests) as usize * self.questions.order().len() / SAMPLE;
+        let of_sample = work.node_tests + work.triangle_tests;
+        let tests = of_sample.saturating_mul(self.questions.order().len() as u64) / SAMPLE as u64;
         let worth_waking = MIN_TESTS + TESTS_PER_VERTEX * body.pose.bvh().model().vertex_count();
-        let parts = (tests / worth_waking).min(workers.count());
+        let parts = (tests / worth_waking as u64).min(workers.count() as u64) as usize;
         if parts < 2 {
             return work + answer(body, self.questions.order());
         }

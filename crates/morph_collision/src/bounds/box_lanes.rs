@@ -80,23 +80,6 @@ impl BoxLanes {
         }
     }
 
-    /// The boxes of eight triangles, larger by `by` on every side; unbounded if that is infinite.
-    #[inline(always)]
-    pub(crate) fn of_triangles<S: Simd>(simd: S, [a, b, c]: &[[Lanes; 3]; 3], by: f32) -> Self {
-        let mut boxes = Self::default();
-        if by.is_infinite() {
-            boxes.set_all(&Aabb::UNBOUNDED);
-            return boxes;
-        }
-        let by = f32x8::splat(simd, by);
-        for axis in 0..3 {
-            let (a, b, c) = (a[axis].load(simd), b[axis].load(simd), c[axis].load(simd));
-            (a.min(b).min(c) - by).store_slice(&mut boxes.min[axis].0);
-            (a.max(b).max(c) + by).store_slice(&mut boxes.max[axis].0);
-        }
-        boxes
-    }
-
     /// The smallest box around the corners of triangles. All lanes must be in use.
     #[inline(always)]
     pub(crate) fn around<S: Simd>(simd: S, corners: &[[[Lanes; 3]; 3]]) -> Aabb {

@@ -3,8 +3,9 @@
 use std::ops::ControlFlow;
 
 use super::body::Body;
+use super::leaves::place_leaf;
 use super::stats::QueryStats;
-use crate::bounds::{BoxLanes, LANES, LowerBounds, with_simd};
+use crate::bounds::LowerBounds;
 use crate::exact::Triangle;
 use crate::pose::Posed;
 use crate::traverse::{Queue, walk_one};
@@ -14,12 +15,14 @@ use crate::tree::{CornerLanes, Leaf};
 #[derive(Debug, Default)]
 pub(super) struct OneBody {
     queue: Queue,
+    posed: Vec<CornerLanes>,
+    placed: Vec<(u32, Triangle)>,
     pub(super) stats: QueryStats,
 }
 
 impl OneBody {
     /// Visits leaves in ascending order of their lower bounds and calls `at_triangle` with the index and the world-space corners of each
-    /// triangle whose own box is within the limit.
+    /// triangle.
     ///
     /// `at_triangle` returns the new limit. The walk ends when the lowest remaining bound exceeds the limit, or when `at_triangle`
     /// breaks; a break is passed on to the caller.
@@ -30,26 +33,18 @@ impl OneBody {
         bounds: &impl LowerBounds,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
-        let mut limit = limit;
-        self.walk_leaves(body, limit, bounds, |tree, leaf| {
-            let numbers = tree.topology.leaf_triangles(leaf);
-            for (patch, numbers) in numbers.chunks(LANES).enumerate() {
-                let (mut corners, mut lowest) = (CornerLanes::default(), [0.0; LANES]);
-                let (error, lanes) = (tree.corner_error(), u8::MAX >> (LANES - numbers.len()));
-                let within = with_simd!(tree.level, simd => {
-                    tree.box_corners(simd, leaf, patch, &mut corners);
-                    let boxes = BoxLanes::of_triangles(simd, &corners, error);
-                    bounds.lower_bounds(simd, &boxes, lanes, limit, &mut lowest)
-                });
-                for (lane, &number) in numbers.iter().enumerate() {
-                    if within >> lane & 1 == 1 && lowest[lane] <= limit {
-                        let triangle = tree.patch_triangle(leaf, patch * LANES + lane, &corners);
-                        limit = at_triangle(number, &triangle)?;
-                    }
-                }
+        let (mut posed, mut placed) = (std::mem::take(&mut self.posed), std::mem::take(&mut self.placed));
+        let flow = self.walk_leaves(body, limit, bounds, |tree, leaf| {
+            placed.clear();
+            place_leaf(tree, leaf, &mut posed, &mut placed);
+            let mut limit = f64::INFINITY;
+            for (number, triangle) in &placed {
+                limit = at_triangle(*number, triangle)?;
             }
             ControlFlow::Continue(limit)
-        })
+        });
+        (self.posed, self.placed) = (posed, placed);
+        flow
     }
 
     /// Like [`OneBody::walk`], but calls `at_leaf` once per leaf.

@@ -64,9 +64,7 @@ impl Chunks {
         let mut rest = vec![Child::group(0)];
         while let Some(node) = rest.pop() {
             match node.kind() {
-                ChildKind::Group(group)
-                    if group == 0 || topology.triangles_below(node).len() > MAX_TRIANGLES =>
-                {
+                ChildKind::Group(group) if group == 0 || topology.triangles_below(node).len() > MAX_TRIANGLES => {
                     chunks.of_groups[group] = outer | OUTER;
                     outer += 1;
                     rest.extend(topology.group(group).children().iter().rev());

@@ -279,7 +279,7 @@ fn a_bad_question_is_named_and_nothing_is_answered() {
 
 #[test]
 fn no_questions_have_no_answers() {
-    let Asked { mut pose, place, .. } = large();
+    let Asked { mut pose, place, .. } = large(400);
     let (mut rays, mut shapes, threads) = (RayQuery::new(), ShapeQuery::new(), ThreadWorkers::new(2));
     let (mut hits, mut closest) = (vec![None; 3], vec![None; 3]);
     rays.closest_batch(Body::new(&mut pose, &place), &[], &threads, &mut hits);

@@ -6,10 +6,10 @@ pub enum Wanted {
     /// All of them.
     #[default]
     All,
-    /// At most this many: the pairs that [`PairQuery::up_to`] finds. [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated)
+    /// At most this many: the pairs that [`PairQuery::up_to`](crate::PairQuery::up_to) finds. [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated)
     /// says whether there are more.
     UpTo(usize),
-    /// One: the pair that [`PairQuery::first`] finds.
+    /// One: the pair that [`PairQuery::first`](crate::PairQuery::first) finds.
     First,
 }
 

@@ -116,7 +116,7 @@ fn culling_boxes_of_turned_characters_are_as_tight_as_those_of_upright_ones() {
         for (turn, ratios) in turns().iter().zip(&mut of_turns) {
             let off = ratios.iter().zip(&upright).map(|(a, b)| (a / b - 1.0).abs());
             let off = off.fold(0.0, f64::max);
-            assert!(off < 0.1, "{name} turned by {turn}: {off} off the upright ones");
+            assert!(off < 0.01, "{name} turned by {turn}: {off} off the upright ones");
             ratios.sort_by(f64::total_cmp);
             let median = ratios[ratios.len() / 2];
             println!("{name} turned by {turn}: {median:.3}");

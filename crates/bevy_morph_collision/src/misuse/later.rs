@@ -12,9 +12,12 @@ pub fn check_in_next_frame(world: &mut World, check: fn(&mut World)) {
     world.get_resource_or_init::<LaterChecks>().0.push(check);
 }
 
-pub(super) fn run_checks(world: &mut World) {
-    let checks = world.remove_resource::<LaterChecks>().unwrap_or_default();
-    for check in checks.0 {
-        check(world);
+pub(super) fn are_waiting(checks: Option<Res<LaterChecks>>) -> bool {
+    checks.is_some_and(|checks| !checks.0.is_empty())
+}
+
+pub(super) fn run_checks(mut commands: Commands, mut checks: ResMut<LaterChecks>) {
+    for check in std::mem::take(&mut checks.0) {
+        commands.queue(check);
     }
 }

@@ -73,7 +73,7 @@ pub(crate) fn add(app: &mut App) {
             look::check_suspects.run_if(look::any_suspects),
             meshes::warn_of_missing_meshes.run_if(meshes::any_is_missing),
             meshes::warn_of_joint_weights.run_if(meshes::trees_changed),
-            later::run_checks.run_if(resource_exists::<later::LaterChecks>),
+            later::run_checks.run_if(later::are_waiting),
         )
             .chain()
             .in_set(MorphCollisionSystems::Import)

@@ -4,9 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, f32x8, f64x4};
 use glam::{DVec3, Vec3A, Vec4};
 
-use super::frame::{FrameLanes, PlacedBounds, relative_to, to_world};
+use super::frame::{FrameLanes, PlacedBounds, to_world};
 use super::kernel::with_simd;
-use super::{Aabb, BoxLanes, Frame, Kernel, WorldFromModel};
+use super::{Aabb, BoxLanes, Frame, Kernel};
 
 /// The number of roundings allowed for in a row of the map. Each is at most half a unit in the last place of the largest
 /// magnitude reached. At most ten happen: of the entries, of three products and sums, of the offset, and of the slack itself
@@ -122,18 +122,12 @@ pub(crate) fn world_map(placed: &PlacedBounds) -> Option<BoxMap> {
     ))
 }
 
-/// The map from the source's space to the model space of `to`; `None` if there is none that `f32` can represent.
-pub(crate) fn map_into(to: &WorldFromModel, source: &PlacedBounds) -> Option<BoxMap> {
-    let mut frame = Frame::default();
-    let exists = relative_to(to, 0.0, source, &mut frame);
-    exists.then(|| BoxMap::new(&frame)).flatten()
-}
-
 #[cfg(test)]
 mod tests {
     use glam::{Affine3A, Quat, Vec3};
 
     use super::*;
+    use crate::bounds::WorldFromModel;
     use crate::bounds::visit_frames;
 
     #[test]

@@ -24,7 +24,7 @@ mod world_query;
 
 pub use aabb::Aabb;
 pub(crate) use box_lanes::{BoxLanes, Corners};
-pub(crate) use box_map::{BoxMap, map_into, world_map};
+pub(crate) use box_map::{BoxMap, world_map};
 pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, FrameLanes, PlacedBounds, visit_frames};
 pub(crate) use gap::{Box64, GapFrame};

@@ -199,15 +199,13 @@ impl Pose {
     /// For a mesh without joints it is [`Pose::bounds`], wherever the entity is. The vertices of a skinned mesh are in world space; the
     /// box contains the exact point of model space that `world_from_model` takes to each of them. Rotating a character together with its
     /// entity does not make the box larger, as it does with [`Pose::world_bounds`]. The box is infinite if `world_from_model` cannot be
-    /// inverted. Cost: that of [`Pose::bounds`], plus a product of two matrices per joint.
+    /// inverted. Cost: an image of a box for each joint and child of the root.
     pub fn local_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         if self.skinning.is_none() {
             return self.bounds();
         }
-        let mut posed = self.posed();
-        let of_nodes = posed.bounds_in(world_from_model);
-        let of_joints = posed.hull_of_joints_in(world_from_model);
-        of_joints.map_or(of_nodes, |of_joints| of_nodes.intersection(&of_joints))
+        let bounds = self.posed().hull_of_joints_in(world_from_model);
+        bounds.unwrap_or(Aabb::UNBOUNDED)
     }
 
     /// Returns a conservative box in world space that is as cheap as possible, for a broad phase.

@@ -51,31 +51,14 @@ impl JointHull {
         let Some(boxes) = self.boxes(level, tables, weights) else {
             return Aabb::UNBOUNDED;
         };
-        let hull = hull(level, tables, boxes, joints, None);
+        let hull = with_simd!(level, simd => images(simd, tables.joints().zip(boxes), joints, None));
         pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
     }
 
-    /// Like [`JointHull::around`], in the model space of `space`. The box contains the exact preimage of every vertex. It is infinite if
-    /// `space` cannot be inverted.
-    pub(super) fn around_in(
-        &mut self,
-        level: Level,
-        tables: &JointBoxes,
-        weights: &Weights,
-        joints: &JointMatrices,
-        VertexSlack { sums, error }: VertexSlack,
-        space: &WorldFromModel,
-    ) -> Aabb {
+    /// The boxes of all joints.
+    pub(super) fn parts(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> &PartBoxes {
         self.boxes(level, tables, weights);
-        let Some(boxes) = self.boxes.blocks() else {
-            return Aabb::UNBOUNDED;
-        };
-        let reach = joints.world_reach(self.boxes.reach()) + space.translation().abs().max_element();
-        let Some(rounding) = space.model_error(reach * sums.end().max(1.0), error) else {
-            return Aabb::UNBOUNDED;
-        };
-        let hull = hull(level, tables, boxes, joints, Some(&MapFrame::new(space)));
-        pulled(hull, space.model_origin(), sums, rounding)
+        &self.boxes
     }
 
     /// The boxes; `None` if coordinates are too large to compute with.
@@ -86,15 +69,26 @@ impl JointHull {
     }
 }
 
-/// The hull of the boxes' images under their joints, in world space or in another frame.
-fn hull(
+/// A box that contains the exact preimage of every vertex in the model space of `space`, given boxes around the vertices that a joint moves,
+/// for each joint of a vertex one that holds it. It is infinite if `space` cannot be inverted.
+pub(super) fn around_in<'b>(
     level: Level,
-    tables: &JointBoxes,
-    boxes: &[PartBlock],
+    moved: impl Iterator<Item = &'b [u16]>,
+    boxes: &'b PartBoxes,
     joints: &JointMatrices,
-    frame: Option<&MapFrame>,
-) -> Extent {
-    with_simd!(level, simd => images(simd, tables.joints().zip(boxes), joints, frame))
+    VertexSlack { sums, error }: VertexSlack,
+    space: &WorldFromModel,
+) -> Aabb {
+    let Some(blocks) = boxes.blocks() else {
+        return Aabb::UNBOUNDED;
+    };
+    let reach = joints.world_reach(boxes.reach()) + space.translation().abs().max_element();
+    let Some(rounding) = space.model_error(reach * sums.end().max(1.0), error) else {
+        return Aabb::UNBOUNDED;
+    };
+    let frame = Some(&MapFrame::new(space));
+    let hull = with_simd!(level, simd => images(simd, moved.zip(blocks), joints, frame));
+    pulled(hull, space.model_origin(), sums, rounding)
 }
 
 /// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight

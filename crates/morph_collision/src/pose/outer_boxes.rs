@@ -49,6 +49,13 @@ impl OuterBoxes {
         }
     }
 
+    /// The boxes of the parts of a group above the chunks, before joints move them.
+    pub(super) fn parts(&mut self, tree: SkinTree<'_>, outer: usize) -> &PartBoxes {
+        let group = &mut self.groups[outer];
+        group.blend(tree.level, tree.skin.outer.blocks(outer), tree.weights);
+        group
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.groups) + self.groups.iter().map(PartBoxes::bytes).sum::<usize>()
     }

@@ -3,7 +3,7 @@
 use super::blend::max_widening;
 use super::placed_body::PlacedBody;
 use super::posed::Posed;
-use crate::bounds::{Aabb, BoxLanes, BoxMap, PlacedBounds, WorldFromModel, map_into, with_simd, world_map};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, PlacedBounds, with_simd, world_map};
 use crate::tree::{ChildKind, Source};
 
 impl Posed<'_> {
@@ -40,12 +40,6 @@ impl Posed<'_> {
     /// A box in world space; infinite if coordinates exceed the range of `f32`.
     pub(super) fn world_bounds(&mut self) -> Aabb {
         let map = world_map(&self.placed_body().placed);
-        self.mapped_bounds(map)
-    }
-
-    /// A box in the model space of `space` around the points that are placed in the world; infinite if `space` cannot be inverted.
-    pub(super) fn bounds_in(&mut self, space: &WorldFromModel) -> Aabb {
-        let map = map_into(space, &self.placed_body().placed);
         self.mapped_bounds(map)
     }
 

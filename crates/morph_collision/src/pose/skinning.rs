@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use super::joint_hull::{JointHull, VertexSlack};
+use super::joint_hull::{JointHull, VertexSlack, around_in};
 use super::outer_boxes::OuterBoxes;
 use super::part_boxes::PartBlock;
 use super::posed_vertices::PosedVertices;
@@ -129,10 +129,18 @@ impl Skinning {
 
     /// A box around all vertices in the model space of `space`.
     pub(super) fn bounds_in(&mut self, tree: SkinTree<'_>, space: &WorldFromModel) -> Aabb {
-        let slack = self.slack(tree);
-        let (level, joints) = (tree.level, &tree.skin.joints);
-        self.hull
-            .around_in(level, joints, tree.weights, &self.joints, slack, space)
+        let (slack, level) = (self.slack(tree), tree.level);
+        // The parts of the root's children are smaller than those of the whole body.
+        match tree.skin.outer.group_count() {
+            0 | 1 => {
+                let parts = self.hull.parts(level, &tree.skin.joints, tree.weights);
+                around_in(level, tree.skin.joints.joints(), parts, &self.joints, slack, space)
+            }
+            _ => {
+                let parts = self.outer.parts(tree, 1);
+                around_in(level, tree.skin.outer.joints(1), parts, &self.joints, slack, space)
+            }
+        }
     }
 
     fn slack(&self, tree: SkinTree<'_>) -> VertexSlack {

@@ -26,6 +26,8 @@ pub(crate) struct OuterGroup {
     children: Vec<MovedChild>,
     /// Child by child. The joint that moves most of a child comes first.
     parts: Vec<MovedPart>,
+    /// The joints of its boxes, in their order.
+    joints: Vec<u16>,
     /// Its blocks of boxes.
     blocks: Range<usize>,
     /// The largest number of parts of a child.
@@ -90,6 +92,10 @@ impl OuterTables {
                 joints.finish(skin, &mut of_group, &mut extents);
             }
             of_group.blocks = tables.add_boxes(&mut of_group.parts, extents);
+            of_group.joints = vec![0; of_group.parts.len()];
+            for part in &of_group.parts {
+                of_group.joints[part.place as usize] = part.joint;
+            }
             of_group.children.shrink_to_fit();
             of_group.parts.shrink_to_fit();
             tables.groups.push(of_group);
@@ -127,6 +133,12 @@ impl OuterTables {
         &self.groups[outer]
     }
 
+    /// The joints of the boxes of a group, eight at a time.
+    #[inline(always)]
+    pub(crate) fn joints(&self, outer: usize) -> impl Iterator<Item = &[u16]> {
+        self.groups[outer].joints.chunks(LANES)
+    }
+
     /// The tables that blend the boxes of all parts of a group, eight at a time.
     #[inline(always)]
     pub(crate) fn blocks(&self, outer: usize) -> impl Iterator<Item = GroupTables<'_>> {
@@ -134,7 +146,9 @@ impl OuterTables {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let of_group = |group: &OuterGroup| size_of_val(&*group.children) + size_of_val(&*group.parts);
+        let of_group = |group: &OuterGroup| {
+            size_of_val(&*group.children) + size_of_val(&*group.parts) + size_of_val(&*group.joints)
+        };
         let groups: usize = self.groups.iter().map(of_group).sum();
         groups + size_of_val(&*self.groups) + self.boxes.bytes()
     }

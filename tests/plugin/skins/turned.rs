@@ -97,8 +97,9 @@ fn culling_boxes_of_turned_characters_are_as_tight_as_those_of_upright_ones() {
     // The largest median over the frames, for each model.
     for (file, clip, largest) in [
         (Some(assets().join("mh_character_low.glb")), Some("walk"), 1.25),
-        (shared("Fox.glb"), Some("Survey"), 1.5),
-        (shared("RobotExpressive.glb"), None, 2.0),
+        (shared("Fox.glb"), Some("Survey"), 1.25),
+        // Its meshes are small, and joints that move them little count as much as others.
+        (shared("RobotExpressive.glb"), None, 4.0),
     ] {
         let Some(file) = file else {
             continue;

@@ -34,8 +34,7 @@ pub(crate) type Columns = [[f64; 4]; 4];
 /// ```
 #[derive(Clone)]
 pub struct JointMatrices {
-    /// The columns of each matrix: `x`, `y`, `z` and the translation. No entry is -0. An extra matrix of zeros comes last. It pulls vertices whose weights
-    /// do not sum to 1 towards the world's origin.
+    /// The columns of each matrix: `x`, `y`, `z` and the translation. No entry is -0.
     columns: Arc<[Columns]>,
     /// A bound on the sum of absolute values in a row of any linear part.
     linear_reach: f64,
@@ -71,7 +70,7 @@ impl JointMatrices {
         }
         let columns = world_from_mesh.iter().map(|matrix| wide(matrix).map(pad));
         Ok(Self {
-            columns: columns.chain([Columns::default()]).collect(),
+            columns: columns.collect(),
             // The factor covers the roundings of two sums.
             linear_reach: f64::from(row_sums.max_element()) * (1.0 + 2.0 * f64::from(f32::EPSILON)),
             translation_reach: f64::from(translations.max_element()),
@@ -80,10 +79,8 @@ impl JointMatrices {
 
     /// A skeleton at rest: every matrix is the identity.
     pub(crate) fn at_rest(count: usize) -> Self {
-        let mut columns = vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO].map(pad); count];
-        columns.push(Columns::default());
         Self {
-            columns: columns.into(),
+            columns: vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO].map(pad); count].into(),
             linear_reach: 1.0,
             translation_reach: 0.0,
         }
@@ -92,16 +89,16 @@ impl JointMatrices {
     /// The number of joints.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.columns.len() - 1
+        self.columns.len()
     }
 
     /// Whether there are no joints.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.columns.is_empty()
     }
 
-    /// The columns of a joint's matrix; zeros if `joint` is the number of joints.
+    /// The columns of a joint's matrix.
     #[inline(always)]
     pub(crate) fn padded(&self, joint: u16) -> &Columns {
         &self.columns[usize::from(joint)]
@@ -134,7 +131,7 @@ impl JointMatrices {
     pub(crate) fn spread(&self, origin: DVec3) -> f64 {
         // Coordinate by coordinate, which the compiler turns into vector instructions.
         let (origin, mut most) = (pad(origin), [0.0; 4]);
-        for [.., translation] in &self.columns[..self.len()] {
+        for [.., translation] in &*self.columns {
             for axis in 0..4 {
                 let distance = (translation[axis] - origin[axis]).abs();
                 most[axis] = if distance > most[axis] { distance } else { most[axis] };

@@ -98,8 +98,7 @@ fn culling_boxes_of_turned_characters_are_as_tight_as_those_of_upright_ones() {
     for (file, clip, largest) in [
         (Some(assets().join("mh_character_low.glb")), Some("walk"), 1.25),
         (shared("Fox.glb"), Some("Survey"), 1.25),
-        // Its meshes are small, and joints that move them little count as much as others.
-        (shared("RobotExpressive.glb"), None, 4.0),
+        (shared("RobotExpressive.glb"), None, 1.7),
     ] {
         let Some(file) = file else {
             continue;

@@ -128,16 +128,16 @@ impl Lane {
 
     /// Where the influence of a joint is, if it may come next.
     fn next_of(&self, joint: u16) -> Option<usize> {
-        let place = self.next().iter().position(|influence| influence.joint == joint)?;
-        Some(self.taken + place)
+        let index = self.next().iter().position(|influence| influence.joint == joint)?;
+        Some(self.taken + index)
     }
 
     /// Takes the influence of a joint if it may come next. Returns its weight, or 0.
     fn take(&mut self, joint: u16) -> f32 {
-        let Some(place) = self.next_of(joint) else {
+        let Some(index) = self.next_of(joint) else {
             return 0.0;
         };
-        self.influences.swap(self.taken, place);
+        self.influences.swap(self.taken, index);
         self.taken += 1;
         self.influences[self.taken - 1].weight
     }

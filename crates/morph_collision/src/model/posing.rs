@@ -24,8 +24,8 @@ impl MorphModel {
         if weights.are_few_of(targets.len()) {
             let mut from = 0;
             for &(target, weight) in weights.active() {
-                if let Some(place) = Weights::find(targets, target, &mut from) {
-                    add_scaled(simd, &mut positions, weight, &deltas[place]);
+                if let Some(index) = Weights::find(targets, target, &mut from) {
+                    add_scaled(simd, &mut positions, weight, &deltas[index]);
                 }
             }
         } else {

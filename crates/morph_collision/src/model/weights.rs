@@ -64,8 +64,8 @@ impl Weights {
         if self.are_few_of(targets.len()) {
             let mut from = 0;
             for &(target, weight) in &self.active {
-                if let Some(place) = Self::find(targets, target, &mut from) {
-                    visit(weight, &values[place]);
+                if let Some(index) = Self::find(targets, target, &mut from) {
+                    visit(weight, &values[index]);
                 }
             }
         } else {
@@ -90,7 +90,7 @@ mod tests {
     fn visited_by_definition(weights: &[f32], targets: &[u16]) -> Vec<(usize, u32)> {
         let weights = targets.iter().map(|&target| weights[usize::from(target)]);
         let active = weights.enumerate().filter(|&(_, weight)| weight != 0.0);
-        active.map(|(place, weight)| (place, weight.to_bits())).collect()
+        active.map(|(index, weight)| (index, weight.to_bits())).collect()
     }
 
     #[test]

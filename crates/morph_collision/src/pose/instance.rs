@@ -204,7 +204,7 @@ impl Pose {
         if self.skinning.is_none() {
             return self.bounds();
         }
-        let bounds = self.posed().hull_of_joints_in(world_from_model);
+        let bounds = self.posed().skinned_bounds_in(world_from_model);
         bounds.unwrap_or(Aabb::UNBOUNDED)
     }
 
@@ -248,12 +248,16 @@ impl Pose {
     /// cache.
     pub(crate) fn copied<'c>(copy: &'c mut Option<Self>, pose: &Self) -> &'c mut Self {
         let copy = copy.get_or_insert_with(|| pose.clone());
-        let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
-            && copy.is_refitted == pose.is_refitted
-            && copy.joints() == pose.joints()
-            // Refitted boxes are valid for one weight vector only. Weights that one pose has accepted are never refused.
-            && (copy.weights() == pose.weights()
-                || !copy.is_refitted && copy.skinning.is_none() && copy.set_weights(pose.weights()).is_ok());
+        let is_of_the_same_kind = Arc::ptr_eq(&copy.bvh, &pose.bvh) && copy.is_refitted == pose.is_refitted;
+        let is_current = is_of_the_same_kind
+            && if pose.is_refitted {
+                // Refitted boxes are valid for one state only.
+                copy.joints() == pose.joints() && copy.weights() == pose.weights()
+            } else {
+                // What one pose has accepted is never refused.
+                copy.set_weights(pose.weights()).is_ok()
+                    && pose.joints().is_none_or(|joints| copy.set_joints(joints).is_ok())
+            };
         if !is_current {
             copy.clone_from(pose);
         }

@@ -7,19 +7,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x4};
 use glam::DVec3;
 
+use super::outer_boxes::EntitySpace;
 use super::part_boxes::{PartBlock, PartBoxes};
-use crate::bounds::{Aabb, Extent, MapFrame, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, Extent, MapFrame, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::Weights;
 use crate::tree::JointBoxes;
-
-/// What keeps vertices from being in the hull of their joints' images.
-pub(super) struct VertexSlack {
-    /// The sums of their weights.
-    pub(super) sums: RangeInclusive<f64>,
-    /// A bound on their rounding errors, larger than the rounding errors of the hull.
-    pub(super) error: f64,
-}
 
 /// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
 #[derive(Clone, Debug, Default)]
@@ -39,14 +32,16 @@ impl JointHull {
 
     /// A box in world space that contains every vertex, exact or rounded.
     ///
-    /// A vertex is the sum of its weights times a point in the hull of its joints' images.
+    /// A vertex is the sum of its weights times a point in the hull of its joints' images. `sums` contains these sums, and `error` is a bound
+    /// on the rounding errors of vertices, which is larger than those of the hull.
     pub(super) fn around(
         &mut self,
         level: Level,
         tables: &JointBoxes,
         weights: &Weights,
         joints: &JointMatrices,
-        VertexSlack { sums, error }: VertexSlack,
+        sums: RangeInclusive<f64>,
+        error: f64,
     ) -> Aabb {
         let Some(boxes) = self.boxes(level, tables, weights) else {
             return Aabb::UNBOUNDED;
@@ -55,10 +50,27 @@ impl JointHull {
         pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
     }
 
-    /// The boxes of all joints.
-    pub(super) fn parts(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> &PartBoxes {
+    /// Like [`JointHull::around`], in the model space of an entity. The box contains the exact preimage of every vertex. It is infinite if
+    /// the space cannot be inverted.
+    pub(super) fn around_in(
+        &mut self,
+        level: Level,
+        tables: &JointBoxes,
+        weights: &Weights,
+        joints: &JointMatrices,
+        sums: RangeInclusive<f64>,
+        EntitySpace { place, frame, error }: &EntitySpace<'_>,
+    ) -> Aabb {
         self.boxes(level, tables, weights);
-        &self.boxes
+        let Some(boxes) = self.boxes.blocks() else {
+            return Aabb::UNBOUNDED;
+        };
+        let reach = joints.world_reach(self.boxes.reach()) + place.translation().abs().max_element();
+        let Some(rounding) = place.model_error(reach * sums.end().max(1.0), *error) else {
+            return Aabb::UNBOUNDED;
+        };
+        let hull = with_simd!(level, simd => images(simd, tables.joints().zip(boxes), joints, Some(frame)));
+        pulled(hull, place.model_origin(), sums, rounding)
     }
 
     /// The boxes; `None` if coordinates are too large to compute with.
@@ -67,28 +79,6 @@ impl JointHull {
             .blend(level, tables.blocks().map(|(_, tables)| tables), weights);
         self.boxes.blocks()
     }
-}
-
-/// A box that contains the exact preimage of every vertex in the model space of `space`, given boxes around the vertices that a joint moves,
-/// for each joint of a vertex one that holds it. It is infinite if `space` cannot be inverted.
-pub(super) fn around_in<'b>(
-    level: Level,
-    moved: impl Iterator<Item = &'b [u16]>,
-    boxes: &'b PartBoxes,
-    joints: &JointMatrices,
-    VertexSlack { sums, error }: VertexSlack,
-    space: &WorldFromModel,
-) -> Aabb {
-    let Some(blocks) = boxes.blocks() else {
-        return Aabb::UNBOUNDED;
-    };
-    let reach = joints.world_reach(boxes.reach()) + space.translation().abs().max_element();
-    let Some(rounding) = space.model_error(reach * sums.end().max(1.0), error) else {
-        return Aabb::UNBOUNDED;
-    };
-    let frame = Some(&MapFrame::new(space));
-    let hull = with_simd!(level, simd => images(simd, moved.zip(blocks), joints, frame));
-    pulled(hull, space.model_origin(), sums, rounding)
 }
 
 /// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight

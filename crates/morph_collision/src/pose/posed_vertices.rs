@@ -10,9 +10,9 @@ use crate::joints::JointMatrices;
 use crate::model::{BLOCK, PlacedBlock};
 
 /// Posed vertices, in blocks of eight. The memory is reserved when the first one is posed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct PosedVertices {
-    /// Blocks and chunks with this stamp are valid.
+    /// Blocks and chunks with this stamp are valid. Never 0.
     epoch: u32,
     stamps: Vec<u32>,
     chunks: Vec<u32>,
@@ -23,6 +23,16 @@ pub(super) struct PosedVertices {
 }
 
 impl PosedVertices {
+    pub(super) fn new() -> Self {
+        Self {
+            epoch: 1,
+            stamps: Vec::new(),
+            chunks: Vec::new(),
+            world: Vec::new(),
+            local: Vec::new(),
+        }
+    }
+
     /// Discards all positions and keeps the memory.
     pub(super) fn invalidate(&mut self) {
         self.epoch = self.epoch.wrapping_add(1);
@@ -93,9 +103,8 @@ impl PosedVertices {
 
     #[cold]
     fn reserve(&mut self, blocks: usize, chunks: usize) {
-        let invalid = self.epoch.wrapping_sub(1);
-        self.stamps = vec![invalid; blocks];
-        self.chunks = vec![invalid; chunks];
+        self.stamps = vec![0; blocks];
+        self.chunks = vec![0; chunks];
         self.world = vec![[[0.0; 4]; BLOCK]; blocks];
         self.local = vec![[[0.0; 4]; BLOCK]; blocks];
     }
@@ -114,5 +123,36 @@ impl PosedVertices {
 
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.stamps) + size_of_val(&*self.chunks) + size_of_val(&*self.world) + size_of_val(&*self.local)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{Affine3A, Vec3};
+
+    use crate::{BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose};
+
+    #[test]
+    fn old_vertices_stay_forgotten_when_the_epoch_wraps() {
+        let influences = Influences {
+            joints: &[[0; 4]; 3],
+            weights: &[[1.0, 0.0, 0.0, 0.0]; 3],
+        };
+        let no_targets: [Vec<Vec3>; 0] = [];
+        let model = MorphModel::skinned(&Vec3::AXES, &[[0, 1, 2]], &no_targets, 1, &[influences]).unwrap();
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+        let set_epoch = |pose: &mut Pose, epoch| {
+            let (_, skinning) = pose.skinning.as_mut().unwrap();
+            skinning.vertices.epoch = epoch;
+        };
+        set_epoch(&mut pose, 1);
+        assert_eq!(pose.vertex(0), Some(Vec3::X));
+        // The epoch wraps around to the number under which this position was stored.
+        set_epoch(&mut pose, u32::MAX);
+        let joint = Affine3A::from_translation(Vec3::Y);
+        pose.set_joints(&JointMatrices::new(&[joint]).unwrap()).unwrap();
+        assert_eq!(pose.vertex(0), Some(Vec3::new(1.0, 1.0, 0.0)));
     }
 }

@@ -6,14 +6,16 @@
 //! | [`OuterBoxes`]: boxes of joints' parts | a node above the chunks | weights change |
 //! | [`JointHull`]: boxes of joints | the bounds of the whole body | weights change |
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 
-use super::joint_hull::{JointHull, VertexSlack, around_in};
-use super::outer_boxes::OuterBoxes;
+use super::joint_hull::JointHull;
+use super::outer_boxes::{EntitySpace, OuterBoxes};
 use super::part_boxes::PartBlock;
 use super::posed_vertices::PosedVertices;
 use super::skin_tree::{MAX_REACH, SkinTree};
-use crate::bounds::{Aabb, BoxLanes, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, MapFrame, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::Skin;
 use crate::tree::SkinTables;
@@ -39,7 +41,7 @@ impl Skinning {
     pub(super) fn new(skin: &SkinTables, joints: JointMatrices) -> Self {
         Self {
             joints,
-            vertices: PosedVertices::default(),
+            vertices: PosedVertices::new(),
             hull: JointHull::default(),
             outer: OuterBoxes::new(&skin.outer),
             origin: DVec3::ZERO,
@@ -117,37 +119,33 @@ impl Skinning {
 
     /// Boxes around the children of a group above the chunks, in the body's frame.
     pub(super) fn outer(&mut self, tree: SkinTree<'_>, outer: usize, boxes: &mut BoxLanes) {
-        self.outer.compute(tree, outer, &self.joints, self.origin, boxes);
+        self.outer.compute(tree, outer, &self.joints, &self.origin, boxes);
     }
 
     /// A box in world space around all vertices.
     pub(super) fn world_bounds(&mut self, tree: SkinTree<'_>) -> Aabb {
-        let slack = self.slack(tree);
-        let (level, joints) = (tree.level, &tree.skin.joints);
-        self.hull.around(level, joints, tree.weights, &self.joints, slack)
+        let (level, boxes) = (tree.level, &tree.skin.joints);
+        self.hull
+            .around(level, boxes, tree.weights, &self.joints, sums(tree), self.error)
     }
 
-    /// A box around all vertices in the model space of `space`.
-    pub(super) fn bounds_in(&mut self, tree: SkinTree<'_>, space: &WorldFromModel) -> Aabb {
-        let (slack, level) = (self.slack(tree), tree.level);
-        // The parts of the root's children are smaller than those of the whole body.
-        match tree.skin.outer.group_count() {
-            0 | 1 => {
-                let parts = self.hull.parts(level, &tree.skin.joints, tree.weights);
-                around_in(level, tree.skin.joints.joints(), parts, &self.joints, slack, space)
-            }
-            _ => {
-                let parts = self.outer.parts(tree, 1);
-                around_in(level, tree.skin.outer.joints(1), parts, &self.joints, slack, space)
-            }
-        }
-    }
-
-    fn slack(&self, tree: SkinTree<'_>) -> VertexSlack {
-        VertexSlack {
-            sums: tree.model.skin().map_or(1.0..=1.0, Skin::sums),
+    /// A box around all vertices in the model space of an entity, and boxes there around the children of a group above the chunks.
+    pub(super) fn bounds_in(
+        &mut self,
+        tree: SkinTree<'_>,
+        place: &WorldFromModel,
+        outer: usize,
+        boxes: &mut BoxLanes,
+    ) -> Aabb {
+        let space = EntitySpace {
+            place,
+            frame: MapFrame::new(place),
             error: self.error,
-        }
+        };
+        self.outer.compute(tree, outer, &self.joints, &space, boxes);
+        let (level, boxes) = (tree.level, &tree.skin.joints);
+        self.hull
+            .around_in(level, boxes, tree.weights, &self.joints, sums(tree), &space)
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.
@@ -158,4 +156,9 @@ impl Skinning {
     pub(super) fn bytes(&self) -> usize {
         self.vertices.bytes() + self.hull.bytes() + self.outer.bytes()
     }
+}
+
+/// A range that contains the sum of every vertex's weights.
+fn sums(tree: SkinTree<'_>) -> RangeInclusive<f64> {
+    tree.model.skin().map_or(1.0..=1.0, Skin::sums)
 }

@@ -26,8 +26,6 @@ pub(crate) struct OuterGroup {
     children: Vec<MovedChild>,
     /// Child by child. The joint that moves most of a child comes first.
     parts: Vec<MovedPart>,
-    /// The joints of its boxes, in their order.
-    joints: Vec<u16>,
     /// Its blocks of boxes.
     blocks: Range<usize>,
     /// The largest number of parts of a child.
@@ -55,8 +53,8 @@ impl OuterGroup {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MovedPart {
     pub(crate) joint: u16,
-    /// Where its box is among those of the group. Boxes that targets move come last, so that few blocks have to be blended.
-    pub(crate) place: u32,
+    /// The index of its box among those of the group. Boxes that targets move come last, so that few blocks have to be blended.
+    pub(crate) index: u32,
     /// The largest weight of the joint, as a share of the sum of its weight and those of all earlier joints.
     pub(crate) share: f32,
 }
@@ -92,10 +90,6 @@ impl OuterTables {
                 joints.finish(skin, &mut of_group, &mut extents);
             }
             of_group.blocks = tables.add_boxes(&mut of_group.parts, extents);
-            of_group.joints = vec![0; of_group.parts.len()];
-            for part in &of_group.parts {
-                of_group.joints[part.place as usize] = part.joint;
-            }
             of_group.children.shrink_to_fit();
             of_group.parts.shrink_to_fit();
             tables.groups.push(of_group);
@@ -110,8 +104,8 @@ impl OuterTables {
         let in_order = parts.iter_mut().zip(extents);
         let (still, moved): (Vec<_>, Vec<_>) = in_order.partition(|(_, extents)| extents.targets.is_empty());
         let mut extents = Vec::with_capacity(still.len() + moved.len());
-        for (place, (part, of_part)) in (0..).zip(still.into_iter().chain(moved)) {
-            part.place = place;
+        for (index, (part, of_part)) in (0..).zip(still.into_iter().chain(moved)) {
+            part.index = index;
             extents.push(of_part);
         }
         let first = self.boxes.group_count();
@@ -133,12 +127,6 @@ impl OuterTables {
         &self.groups[outer]
     }
 
-    /// The joints of the boxes of a group, eight at a time.
-    #[inline(always)]
-    pub(crate) fn joints(&self, outer: usize) -> impl Iterator<Item = &[u16]> {
-        self.groups[outer].joints.chunks(LANES)
-    }
-
     /// The tables that blend the boxes of all parts of a group, eight at a time.
     #[inline(always)]
     pub(crate) fn blocks(&self, outer: usize) -> impl Iterator<Item = GroupTables<'_>> {
@@ -146,9 +134,7 @@ impl OuterTables {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let of_group = |group: &OuterGroup| {
-            size_of_val(&*group.children) + size_of_val(&*group.parts) + size_of_val(&*group.joints)
-        };
+        let of_group = |group: &OuterGroup| size_of_val(&*group.children) + size_of_val(&*group.parts);
         let groups: usize = self.groups.iter().map(of_group).sum();
         groups + size_of_val(&*self.groups) + self.boxes.bytes()
     }
@@ -266,7 +252,7 @@ impl Joints {
                 extents.push(of_part);
                 // Rounded up, with room for the roundings of two sums and their quotient.
                 let share = up(share * (1.0 + 8.0 * rounding)).min(1.0);
-                group.parts.push(MovedPart { joint, place: 0, share });
+                group.parts.push(MovedPart { joint, index: 0, share });
             }
         }
         let parts = first as u32..group.parts.len() as u32;

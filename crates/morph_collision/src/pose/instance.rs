@@ -186,7 +186,7 @@ impl Pose {
     ///
     /// It contains every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite if world coordinates
     /// exceed the range of `f32`. For a skinned mesh it is the intersection of [`Pose::broad_phase_bounds`] with the box around the
-    /// root's children. Cost: the same as [`Pose::bounds`].
+    /// root's children, or around the root if vertices would have to be posed for its children. Cost: the same as [`Pose::bounds`].
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut posed = self.posed_at(world_from_model);
         let of_nodes = posed.world_bounds();
@@ -264,7 +264,7 @@ impl Pose {
         copy
     }
 
-    /// Returns the heap memory in bytes, without the shared tree.
+    /// Returns the heap memory in bytes, without the shared tree and without scratch memory.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let skinning = self.skinning.as_ref().map_or(0, |(_, skinning)| skinning.bytes());

@@ -3,7 +3,8 @@
 use std::thread;
 use std::time::Duration;
 
-/// The threads of a [`BatchQuery`](super::BatchQuery). Implement it to run batches on your engine's threads.
+/// The threads for a [`BatchQuery`](super::BatchQuery), or for many questions about one body
+/// ([`RayQuery::closest_batch`](crate::RayQuery::closest_batch) and others). Implement it to use your engine's threads.
 pub trait Workers {
     /// The number of workers, at least 1.
     fn count(&self) -> usize;
@@ -14,8 +15,9 @@ pub trait Workers {
 
     /// About how long it takes until another worker has started, and until the calling thread knows that all have ended.
     ///
-    /// A batch that would save less by running on several threads runs on the calling thread, without a call of [`Workers::run`]. The
-    /// default, 10 microseconds, is for threads that exist already.
+    /// A [`BatchQuery`](super::BatchQuery) that would save less by running on several threads runs on the calling thread, without a call
+    /// of [`Workers::run`]. Many questions about one body need about a millisecond of work instead. The default, 10 microseconds, is for
+    /// threads that exist already.
     fn wake_up(&self) -> Duration {
         Duration::from_micros(10)
     }

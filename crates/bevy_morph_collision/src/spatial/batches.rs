@@ -34,7 +34,9 @@ impl MorphSpatialQuery<'_, '_> {
     ///         println!("{:?}: {:?}", ray.direction, hit.map(|hit| hit.distance));
     ///     }
     /// }
-    /// # App::new().add_plugins((MinimalPlugins, MorphPlugins)).add_systems(Update, scan).update();
+    /// # let mut app = App::new();
+    /// # app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphCollisionPlugin));
+    /// # app.add_systems(Update, scan).update();
     /// ```
     pub fn cast_rays(
         &self,
@@ -72,7 +74,9 @@ impl MorphSpatialQuery<'_, '_> {
     ///         }
     ///     }
     /// }
-    /// # App::new().add_plugins((MinimalPlugins, MorphPlugins)).add_systems(Update, hold_off).update();
+    /// # let mut app = App::new();
+    /// # app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphCollisionPlugin));
+    /// # app.add_systems(Update, hold_off).update();
     /// ```
     pub fn project_points(
         &self,
@@ -106,7 +110,9 @@ impl MorphSpatialQuery<'_, '_> {
     ///     spatial.intersections_with_shapes(&balls, &MorphQueryFilter::default(), &mut burnt);
     ///     println!("{} flames touch something", burnt.iter().filter(|touched| !touched.is_empty()).count());
     /// }
-    /// # App::new().add_plugins((MinimalPlugins, MorphPlugins)).add_systems(Update, burn).update();
+    /// # let mut app = App::new();
+    /// # app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphCollisionPlugin));
+    /// # app.add_systems(Update, burn).update();
     /// ```
     pub fn intersections_with_shapes(
         &self,

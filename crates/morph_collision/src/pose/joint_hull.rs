@@ -75,8 +75,8 @@ impl JointHull {
 
     /// The boxes; `None` if coordinates are too large to compute with.
     pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[PartBlock]> {
-        self.boxes
-            .blend(level, tables.blocks().map(|(_, tables)| tables), weights);
+        let blocks = 0..tables.joints().len();
+        self.boxes.blend(level, &tables.boxes, blocks, weights);
         self.boxes.blocks()
     }
 }

@@ -39,8 +39,9 @@ impl OuterBoxes {
         boxes: &mut BoxLanes,
     ) {
         let group = &mut self.groups[outer];
-        group.blend(tree.level, tree.skin.outer.blocks(outer), tree.weights);
-        let (reach, of_tree) = (joints.world_reach(group.reach()), tree.skin.outer.group(outer));
+        let of_tree = tree.skin.outer.group(outer);
+        group.blend(tree.level, &tree.skin.outer.boxes, of_tree.blocks.clone(), tree.weights);
+        let reach = joints.world_reach(group.reach());
         match group.blocks() {
             Some(parts) => {
                 with_simd!(tree.level, simd => bound(simd, of_tree, parts, joints, space, reach, boxes));

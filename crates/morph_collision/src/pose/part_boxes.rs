@@ -1,5 +1,7 @@
 //! Boxes around the vertices that joints move, blended for a pose's weights, before joints move them.
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x4};
 use glam::DVec3;
@@ -8,7 +10,7 @@ use super::blend::blend_group;
 use super::skin_tree::MAX_REACH;
 use crate::bounds::{Box64, BoxLanes, LANES, with_simd};
 use crate::model::Weights;
-use crate::tree::GroupTables;
+use crate::tree::{GroupTables, Tables};
 
 /// Eight boxes side by side, by their centres and half sizes.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +25,11 @@ pub(super) struct PartBlock {
 #[derive(Clone, Debug, Default)]
 pub(super) struct PartBoxes {
     blocks: Vec<PartBlock>,
-    /// A bound on their absolute coordinates.
+    /// The number of blocks before the first one that a target moves.
+    still: usize,
+    /// A bound on the absolute coordinates of these.
+    still_reach: f32,
+    /// A bound on those of all boxes.
     reach: f32,
     /// Whether they are valid for the current weights.
     is_current: bool,
@@ -35,25 +41,29 @@ impl PartBoxes {
         self.is_current = false;
     }
 
-    /// Blends the boxes of these tables unless they are valid. Tables without targets are blended only once.
-    pub(super) fn blend<'t>(&mut self, level: Level, tables: impl Iterator<Item = GroupTables<'t>>, weights: &Weights) {
+    /// Blends the boxes of these groups of tables unless they are valid. Groups without targets are blended only once.
+    pub(super) fn blend(&mut self, level: Level, tables: &Tables, groups: Range<usize>, weights: &Weights) {
         if self.is_current {
             return;
         }
         self.is_current = true;
-        self.reach = 0.0;
         self.blocks
-            .reserve_exact(tables.size_hint().0.saturating_sub(self.blocks.len()));
-        for (index, tables) in tables.enumerate() {
+            .reserve_exact(groups.len().saturating_sub(self.blocks.len()));
+        self.reach = self.still_reach;
+        for index in self.still..groups.len() {
+            let tables = tables.group(groups.start + index);
             let is_new = index == self.blocks.len();
             if is_new {
                 self.blocks.push(PartBlock::default());
             }
-            let block = &mut self.blocks[index];
-            if is_new || !tables.targets.is_empty() {
+            let (block, is_moved) = (&mut self.blocks[index], !tables.targets.is_empty());
+            if is_new || is_moved {
                 with_simd!(level, simd => block.blend(simd, tables, weights));
             }
             self.reach = self.reach.max(block.reach);
+            if index == self.still && !is_moved {
+                (self.still, self.still_reach) = (index + 1, self.reach);
+            }
         }
     }
 

@@ -12,7 +12,7 @@ use crate::model::{MorphModel, Skin};
 pub(crate) struct JointBoxes {
     /// Joints of which targets move no vertex come first, so that few blocks have to be blended.
     joints: Vec<u16>,
-    boxes: Tables,
+    pub(crate) boxes: Tables,
 }
 
 impl JointBoxes {
@@ -62,7 +62,7 @@ impl JointBoxes {
 
     /// The joints, eight at a time.
     #[inline(always)]
-    pub(crate) fn joints(&self) -> impl Iterator<Item = &[u16]> {
+    pub(crate) fn joints(&self) -> impl ExactSizeIterator<Item = &[u16]> {
         self.joints.chunks(LANES)
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::budget::{Budget, work_on};
 use super::chunks::Chunks;
 use super::extents::NodeExtents;
-use super::tables::{GroupTables, Tables};
+use super::tables::Tables;
 use super::topology::{Child, Leaf, Topology};
 use crate::bounds::{LANES, down, up};
 use crate::model::{MorphModel, Skin, sum_rounding};
@@ -17,7 +17,7 @@ pub(crate) struct OuterTables {
     /// In preorder.
     groups: Vec<OuterGroup>,
     /// One box for each part, group by group. A block of eight has parts of one group only.
-    boxes: Tables,
+    pub(crate) boxes: Tables,
 }
 
 /// A group above the chunks.
@@ -27,7 +27,7 @@ pub(crate) struct OuterGroup {
     /// Child by child. The joint that moves most of a child comes first.
     parts: Vec<MovedPart>,
     /// Its blocks of boxes.
-    blocks: Range<usize>,
+    pub(crate) blocks: Range<usize>,
     /// The largest number of parts of a child.
     pub(crate) most_parts: usize,
 }
@@ -125,12 +125,6 @@ impl OuterTables {
     #[inline(always)]
     pub(crate) fn group(&self, outer: usize) -> &OuterGroup {
         &self.groups[outer]
-    }
-
-    /// The tables that blend the boxes of all parts of a group, eight at a time.
-    #[inline(always)]
-    pub(crate) fn blocks(&self, outer: usize) -> impl Iterator<Item = GroupTables<'_>> {
-        self.groups[outer].blocks.clone().map(|block| self.boxes.group(block))
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -48,11 +48,12 @@ impl Turned {
         let (roots, clips) = crowd::spawn(&mut app, file, &places, ()).expect("the model can be loaded");
         let clip = clips.iter().find(|(name, _)| clip.is_none_or(|clip| clip == name));
         let (_, clip) = clip.expect("the model has such a clip");
-        crowd::play(&mut app, clip, &roots, |_, _| 0.0);
         app.update();
         while app.world().resource::<MorphTrees>().building() > 0 {
             app.update();
         }
+        // Only now, so that the moments do not depend on how long trees take.
+        crowd::play(&mut app, clip, &roots, |_, _| 0.0);
         app.update();
         let meshes = read_meshes(file).expect("the model can be read");
         let parts = drawn::parts::<()>(app.world_mut(), &meshes).into_iter();
@@ -96,9 +97,9 @@ impl Turned {
 fn culling_boxes_of_turned_characters_are_as_tight_as_those_of_upright_ones() {
     // The largest median over the frames, for each model.
     for (file, clip, largest) in [
-        (Some(assets().join("mh_character_low.glb")), Some("walk"), 1.2),
+        (Some(assets().join("mh_character_low.glb")), Some("walk"), 1.25),
         (shared("Fox.glb"), Some("Survey"), 1.25),
-        (shared("RobotExpressive.glb"), None, 1.8),
+        (shared("RobotExpressive.glb"), None, 1.85),
     ] {
         let Some(file) = file else {
             continue;

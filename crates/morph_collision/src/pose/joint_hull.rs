@@ -3,16 +3,16 @@
 
 use std::ops::RangeInclusive;
 
+use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, f64x4};
 use glam::DVec3;
 
 use super::outer_boxes::EntitySpace;
 use super::part_boxes::{PartBlock, PartBoxes};
+use super::skin_tree::SkinTree;
 use crate::bounds::{Aabb, Extent, MapFrame, with_simd};
 use crate::joints::JointMatrices;
-use crate::model::Weights;
-use crate::tree::JointBoxes;
+use crate::model::Skin;
 
 /// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
 #[derive(Clone, Debug, Default)]
@@ -32,53 +32,51 @@ impl JointHull {
 
     /// A box in world space that contains every vertex, exact or rounded.
     ///
-    /// A vertex is the sum of its weights times a point in the hull of its joints' images. `sums` contains these sums, and `error` is a bound
-    /// on the rounding errors of vertices, which is larger than those of the hull.
-    pub(super) fn around(
-        &mut self,
-        level: Level,
-        tables: &JointBoxes,
-        weights: &Weights,
-        joints: &JointMatrices,
-        sums: RangeInclusive<f64>,
-        error: f64,
-    ) -> Aabb {
-        let Some(boxes) = self.boxes(level, tables, weights) else {
+    /// A vertex is the sum of its weights times a point in the hull of its joints' images. `error` is a bound on the rounding errors of
+    /// vertices, which is larger than those of the hull.
+    pub(super) fn around(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, error: f64) -> Aabb {
+        let Some(boxes) = self.boxes(tree) else {
             return Aabb::UNBOUNDED;
         };
-        let hull = with_simd!(level, simd => images(simd, tables.joints().zip(boxes), joints, None));
-        pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
+        let boxes = tree.skin.joints.joints().zip(boxes);
+        let hull = with_simd!(tree.level, simd => images(simd, boxes, joints, None));
+        pulled(hull, DVec3::ZERO, sums(tree), DVec3::splat(2.0 * error))
     }
 
     /// Like [`JointHull::around`], in the model space of an entity. The box contains the exact preimage of every vertex. It is infinite if
     /// the space cannot be inverted.
     pub(super) fn around_in(
         &mut self,
-        level: Level,
-        tables: &JointBoxes,
-        weights: &Weights,
+        tree: SkinTree<'_>,
         joints: &JointMatrices,
-        sums: RangeInclusive<f64>,
         EntitySpace { place, frame, error }: &EntitySpace<'_>,
     ) -> Aabb {
-        self.boxes(level, tables, weights);
+        self.boxes(tree);
         let Some(boxes) = self.boxes.blocks() else {
             return Aabb::UNBOUNDED;
         };
+        let sums = sums(tree);
         let reach = joints.world_reach(self.boxes.reach()) + place.translation().abs().max_element();
         let Some(rounding) = place.model_error(reach * sums.end().max(1.0), *error) else {
             return Aabb::UNBOUNDED;
         };
-        let hull = with_simd!(level, simd => images(simd, tables.joints().zip(boxes), joints, Some(frame)));
+        let boxes = tree.skin.joints.joints().zip(boxes);
+        let hull = with_simd!(tree.level, simd => images(simd, boxes, joints, Some(frame)));
         pulled(hull, place.model_origin(), sums, rounding)
     }
 
     /// The boxes; `None` if coordinates are too large to compute with.
-    pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[PartBlock]> {
+    pub(super) fn boxes(&mut self, tree: SkinTree<'_>) -> Option<&[PartBlock]> {
+        let tables = &tree.skin.joints;
         let blocks = 0..tables.joints().len();
-        self.boxes.blend(level, &tables.boxes, blocks, weights);
+        self.boxes.blend(tree.level, &tables.boxes, blocks, tree.weights);
         self.boxes.blocks()
     }
+}
+
+/// A range that contains the sum of every vertex's weights.
+fn sums(tree: SkinTree<'_>) -> RangeInclusive<f64> {
+    tree.model.skin().map_or(1.0..=1.0, Skin::sums)
 }
 
 /// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight

@@ -6,8 +6,6 @@
 //! | [`OuterBoxes`]: boxes of joints' parts | a node above the chunks | weights change |
 //! | [`JointHull`]: boxes of joints | the bounds of the whole body | weights change |
 
-use std::ops::RangeInclusive;
-
 use glam::DVec3;
 
 use super::joint_hull::JointHull;
@@ -124,9 +122,7 @@ impl Skinning {
 
     /// A box in world space around all vertices.
     pub(super) fn world_bounds(&mut self, tree: SkinTree<'_>) -> Aabb {
-        let (level, boxes) = (tree.level, &tree.skin.joints);
-        self.hull
-            .around(level, boxes, tree.weights, &self.joints, sums(tree), self.error)
+        self.hull.around(tree, &self.joints, self.error)
     }
 
     /// A box around all vertices in the model space of an entity, and boxes there around the children of a group above the chunks.
@@ -143,22 +139,15 @@ impl Skinning {
             error: self.error,
         };
         self.outer.compute(tree, outer, &self.joints, &space, boxes);
-        let (level, boxes) = (tree.level, &tree.skin.joints);
-        self.hull
-            .around_in(level, boxes, tree.weights, &self.joints, sums(tree), &space)
+        self.hull.around_in(tree, &self.joints, &space)
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.
     pub(super) fn joint_boxes(&mut self, tree: SkinTree<'_>) -> Option<&[PartBlock]> {
-        self.hull.boxes(tree.level, &tree.skin.joints, tree.weights)
+        self.hull.boxes(tree)
     }
 
     pub(super) fn bytes(&self) -> usize {
         self.vertices.bytes() + self.hull.bytes() + self.outer.bytes()
     }
-}
-
-/// A range that contains the sum of every vertex's weights.
-fn sums(tree: SkinTree<'_>) -> RangeInclusive<f64> {
-    tree.model.skin().map_or(1.0..=1.0, Skin::sums)
 }

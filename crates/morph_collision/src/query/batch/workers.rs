@@ -16,8 +16,8 @@ pub trait Workers {
     /// About how long it takes until another worker has started, and until the calling thread knows that all have ended.
     ///
     /// A [`BatchQuery`](super::BatchQuery) that would save less by running on several threads runs on the calling thread, without a call
-    /// of [`Workers::run`]. Many questions about one body need about a millisecond of work instead. The default, 10 microseconds, is for
-    /// threads that exist already.
+    /// of [`Workers::run`]. Many questions about one body do not ask for this time: they use several threads for about a millisecond of work
+    /// or more. The default, 10 microseconds, is for threads that exist already.
     fn wake_up(&self) -> Duration {
         Duration::from_micros(10)
     }

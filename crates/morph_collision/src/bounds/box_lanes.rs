@@ -80,24 +80,6 @@ impl BoxLanes {
         }
     }
 
-    /// The smallest box around the corners of triangles. All lanes must be in use.
-    #[inline(always)]
-    pub(crate) fn around<S: Simd>(simd: S, corners: &[[[Lanes; 3]; 3]]) -> Aabb {
-        let mut boxes = Self::default();
-        for axis in 0..3 {
-            let mut low = f32x8::splat(simd, f32::INFINITY);
-            let mut high = f32x8::splat(simd, f32::NEG_INFINITY);
-            for corner in corners.as_flattened() {
-                let along = corner[axis].load(simd);
-                low = low.min(along);
-                high = high.max(along);
-            }
-            low.store_slice(&mut boxes.min[axis].0);
-            high.store_slice(&mut boxes.max[axis].0);
-        }
-        boxes.hull_of_all(simd)
-    }
-
     /// Sets `girths` to the sum of each box's edge lengths, times `scale`.
     #[inline(always)]
     pub(crate) fn girths<S: Simd>(&self, simd: S, scale: f32, girths: &mut Lanes) {

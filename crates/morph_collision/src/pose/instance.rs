@@ -5,16 +5,18 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::blended_vertices::BlendedVertices;
 use super::cache::EpochCache;
+use super::fitted_boxes::FittedBoxes;
 use super::placed_body::PlacedBody;
-use super::posed::{BlendBuffers, Blended, Posed};
+use super::posed::{Blended, Posed};
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
 use super::weights::WeightsError;
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
 use crate::input_error::InputError;
 use crate::joints::JointMatrices;
-use crate::model::{BlendedBlock, Weights};
+use crate::model::Weights;
 use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
@@ -22,8 +24,8 @@ use crate::tree::MorphBvh;
 /// Setting new weights costs a comparison and a copy; boxes are blended when a query first looks at their node. Setting the same
 /// weights again keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
 ///
-/// Memory: 8 bytes per inner node and per eight vertices, plus the boxes and vertices that were visited. For a skinned mesh, vertices take no
-/// memory until the first one is posed, and then about 48 bytes each.
+/// Memory: 8 bytes per inner node, plus the boxes that were visited. Vertices take no memory until the first one is posed, and then about 17
+/// bytes each, or 49 for a skinned mesh.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -44,12 +46,13 @@ pub struct Pose {
     /// Whether [`Pose::refit`] made the cached boxes.
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
-    blocks: EpochCache<BlendedBlock>,
+    /// Those of a mesh without joints; [`Skinning`] keeps the others.
+    vertices: BlendedVertices,
     /// For a skinned mesh: the map from the space of its boxes to world space, and the state of its joints.
     pub(super) skinning: Option<(WorldFromModel, Skinning)>,
     placed_body: PlacedBody,
     blended: Blended,
-    buffers: BlendBuffers,
+    fitted: FittedBoxes,
 }
 
 impl Pose {
@@ -64,15 +67,10 @@ impl Pose {
             weights: Weights::new(&vec![0.0; bvh.model().target_count()]),
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
-            // `Skinning` caches the vertices of a skinned mesh.
-            blocks: EpochCache::new(if skinning.is_some() {
-                0
-            } else {
-                bvh.model().block_count()
-            }),
+            vertices: BlendedVertices::new(),
             placed_body: PlacedBody::default(),
             blended: Blended::default(),
-            buffers: BlendBuffers::default(),
+            fitted: FittedBoxes::default(),
             skinning,
             bvh,
         };
@@ -115,7 +113,7 @@ impl Pose {
     fn invalidate(&mut self, weights_changed: bool) {
         self.boxes.next_epoch();
         if weights_changed {
-            self.blocks.next_epoch();
+            self.vertices.discard();
         }
         self.placed_body.invalidate();
         self.is_refitted = false;
@@ -268,7 +266,7 @@ impl Pose {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let skinning = self.skinning.as_ref().map_or(0, |(_, skinning)| skinning.bytes());
-        self.weights.bytes() + self.boxes.bytes() + self.blocks.bytes() + skinning
+        self.weights.bytes() + self.boxes.bytes() + self.vertices.bytes() + skinning
     }
 
     /// The pose in model space.
@@ -290,10 +288,10 @@ impl Pose {
             leaf_lanes: self.bvh.leaf_lanes.as_deref(),
             weights: &self.weights,
             boxes: &mut self.boxes,
-            blocks: &mut self.blocks,
+            vertices: &mut self.vertices,
             placed_body: &mut self.placed_body,
             blended: &mut self.blended,
-            buffers: &mut self.buffers,
+            fitted: &mut self.fitted,
             level: self.bvh.kernel().level,
         }
     }

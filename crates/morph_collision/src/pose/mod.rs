@@ -2,15 +2,16 @@
 //!
 //! - Every box comes from [`Posed::open`], which blends it from the tree's tables on first use (`blend`). It stays cached until the
 //!   weights change (`cache`).
-//! - The boxes of skinned meshes are fitted to posed vertices (`posed_vertices`), a chunk of the tree at a time (`chunk_boxes`,
+//! - The boxes of skinned meshes are fitted to posed vertices (`posed_vertices`), a chunk of the tree at a time (`fitted_boxes`,
 //!   `posed_skin`). Above the chunks they are computed from one box per joint (`outer_boxes`).
-//! - [`Pose::refit`] fits all boxes to the posed vertices at once instead.
+//! - [`Pose::refit`] fits all boxes to the posed vertices at once instead (`refit`).
 
 mod blend;
+mod blended_vertices;
 mod box_tree;
 mod cache;
-mod chunk_boxes;
 mod displacement;
+mod fitted_boxes;
 mod instance;
 mod joint_hull;
 mod outer_boxes;
@@ -20,10 +21,12 @@ mod posed;
 mod posed_bounds;
 mod posed_skin;
 mod posed_vertices;
+mod refit;
 mod shape;
 mod skin_tree;
 mod skinning;
 mod snapshot;
+mod stamps;
 mod visit;
 mod weights;
 
@@ -44,6 +47,8 @@ mod corners_tests;
 mod displacement_tests;
 #[cfg(test)]
 mod joint_rounding_tests;
+#[cfg(test)]
+mod lazy_work_tests;
 #[cfg(test)]
 mod outer_boxes_tests;
 #[cfg(test)]

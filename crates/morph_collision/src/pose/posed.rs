@@ -4,14 +4,15 @@ use fearless_simd::{Level, Simd};
 use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::blend::{blend_group, blend_patch};
+use super::blended_vertices::BlendedVertices;
 use super::cache::EpochCache;
-use super::chunk_boxes::ChunkBoxes;
+use super::fitted_boxes::FittedBoxes;
 use super::placed_body::PlacedBody;
 use super::skinning::Skinning;
 use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::Triangle;
-use crate::model::{BlendedBlock, MorphModel, Weights, block_and_lane};
-use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, NodeId, SkinTables, Tables, Topology, gather};
+use crate::model::{MorphModel, Weights, block_and_lane};
+use crate::tree::{Child, CornerLanes, Leaf, LeafLanes, NodeId, SkinTables, Tables, Topology, gather_from};
 
 /// The numbers of boxes and vertices that a pose has blended since it was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,21 +43,13 @@ pub(crate) struct Posed<'a> {
     pub(super) leaf_lanes: Option<&'a LeafLanes>,
     pub(super) weights: &'a Weights,
     pub(super) boxes: &'a mut EpochCache<BoxLanes>,
-    /// The blocks of vertices of a mesh without joints.
-    pub(super) blocks: &'a mut EpochCache<BlendedBlock>,
+    /// The vertices of a mesh without joints.
+    pub(super) vertices: &'a mut BlendedVertices,
     pub(super) placed_body: &'a mut PlacedBody,
     pub(super) blended: &'a mut Blended,
-    pub(super) buffers: &'a mut BlendBuffers,
+    pub(super) fitted: &'a mut FittedBoxes,
     /// The SIMD level of the kernels.
     pub(crate) level: Level,
-}
-
-/// Memory that blending reuses.
-#[derive(Clone, Default)]
-pub(super) struct BlendBuffers {
-    corners: Vec<CornerLanes>,
-    points: Vec<[f32; 4]>,
-    pub(super) fitted: ChunkBoxes,
 }
 
 impl Posed<'_> {
@@ -119,27 +112,14 @@ impl Posed<'_> {
     /// The position of a welded vertex before joints and placement. Blends its block unless it is cached.
     #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3A {
-        let (block, lane) = block_and_lane(vertex);
-        let slot = self.open_block(block);
-        Vec3A::from_vec4(Vec4::from(self.blocks.get(slot)[lane]))
+        self.blend_block(block_and_lane(vertex).0);
+        Vec3A::from_vec4(Vec4::from(self.vertices.points()[vertex as usize]))
     }
 
-    /// Returns the slot of a block's vertices; blends them unless they are cached.
+    /// Blends a block of vertices unless it is cached.
     #[inline(always)]
-    fn open_block(&mut self, block: usize) -> usize {
-        match self.blocks.find(block) {
-            Some(slot) => slot,
-            None => self.blend_block(block),
-        }
-    }
-
-    #[inline(never)]
-    fn blend_block(&mut self, block: usize) -> usize {
-        self.blended.vertices += self.model.block_len(block) as u64;
-        let slot = self.blocks.claim(block);
-        let (model, weights, points) = (self.model, self.weights, self.blocks.get_mut(slot));
-        with_simd!(self.level, simd => model.blend_points(simd, block, weights, points));
-        slot
+    fn blend_block(&mut self, block: usize) {
+        self.blended.vertices += self.vertices.blend(self.level, self.model, block, self.weights);
     }
 
     /// The position of a welded vertex in model space; for a skinned mesh, in world space, rounded to `f32`.
@@ -224,53 +204,18 @@ impl Posed<'_> {
     #[inline(always)]
     fn gather_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
         let mesh = self.topology.leaf_mesh(leaf);
-        let mut points = std::mem::take(&mut self.buffers.points);
-        points.clear();
         // Vertices ascend, so those of a block follow each other.
-        let (mut open, mut slot) = (usize::MAX, 0);
+        let mut last = usize::MAX;
         for &vertex in mesh.vertices {
-            let (block, lane) = block_and_lane(vertex);
-            if block != open {
-                (open, slot) = (block, self.open_block(block));
-            }
-            points.push(self.blocks.get(slot)[lane]);
-        }
-        let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
-        gather(simd, triangles, &points, corners);
-        self.buffers.points = points;
-    }
-
-    /// Replaces all cached boxes with tight ones, fitted from the leaves up. Cost: `O(n)`.
-    pub(super) fn refit(&mut self) {
-        if self.is_skinned() {
-            return self.refit_skinned();
-        }
-        let topology = self.topology;
-        self.boxes.next_epoch();
-        // Inserting in this order makes each group's slot equal to its index.
-        for group in 0..topology.group_count() {
-            self.boxes.insert(group, BoxLanes::default());
-            self.blended.volumes += topology.group(group).children().len() as u64;
-        }
-        let mut corners = std::mem::take(&mut self.buffers.corners);
-        // Groups are in preorder, so children come after their parents.
-        for group in (0..topology.group_count()).rev() {
-            for (lane, child) in topology.group(group).children().iter().enumerate() {
-                let bounds = match child.kind() {
-                    ChildKind::Group(below) => {
-                        let children = topology.group(below).children().len();
-                        with_simd!(self.level, simd => self.boxes.get(below).hull(simd, children))
-                    }
-                    ChildKind::Leaf(leaf) => {
-                        corners.clear();
-                        self.leaf_corners(leaf, &mut corners);
-                        with_simd!(self.level, simd => BoxLanes::around(simd, &corners))
-                    }
-                };
-                self.boxes.get_mut(group).set(lane, &bounds);
+            let (block, _) = block_and_lane(vertex);
+            if block != last {
+                last = block;
+                self.blend_block(block);
             }
         }
-        self.buffers.corners = corners;
+        let first = patch * LANES;
+        let triangles = &mesh.corners[first..mesh.corners.len().min(first + LANES)];
+        gather_from(simd, triangles, mesh.vertices, self.vertices.points(), corners);
     }
 
     pub(crate) fn blended(&self) -> Blended {

@@ -1,16 +1,15 @@
 //! Traversals' access to a skinned mesh's pose: joints place its vertices, and its boxes are fitted to them, chunk by chunk.
 
 use fearless_simd::prelude::*;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use super::chunk_boxes::around;
 use super::posed::Posed;
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
 use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd};
 use crate::exact::Triangle;
 use crate::model::BLOCK;
-use crate::tree::{ChildKind, CornerLanes, Leaf, Source, gather_from};
+use crate::tree::{CornerLanes, Leaf, Source, gather_from};
 
 impl<'a> Posed<'a> {
     /// Whether joints place the vertices.
@@ -50,64 +49,9 @@ impl<'a> Posed<'a> {
         let groups = tree.skin.chunks.chunk(chunk).groups();
         let boxes = groups.clone().map(|group| self.topology.group(group).children().len());
         self.blended.volumes += boxes.sum::<usize>() as u64;
-        let widening = skinning.widening();
-        if widening.is_finite() {
-            let (vertices, fitted) = (skinning.vertices.local(), &mut self.buffers.fitted);
-            with_simd!(self.level, simd => fitted.fit(simd, self.topology, groups, vertices, widening, self.boxes));
-        } else {
-            for group in groups {
-                let mut boxes = BoxLanes::default();
-                boxes.set_all(&Aabb::UNBOUNDED);
-                self.boxes.insert(group, boxes);
-            }
-        }
-    }
-
-    /// Fits all boxes to the posed vertices.
-    pub(super) fn refit_skinned(&mut self) {
-        let Some(tree) = self.skin_tree() else { return };
-        self.boxes.next_epoch();
-        for chunk in 0..tree.skin.chunks.len() {
-            self.fit_chunk(chunk);
-        }
-        // In preorder, children come after their parents.
-        let outer: Vec<usize> = tree.skin.chunks.outer_groups().collect();
-        for &group in outer.iter().rev() {
-            let mut boxes = BoxLanes::default();
-            for (lane, child) in self.topology.group(group).children().iter().enumerate() {
-                let bounds = match child.kind() {
-                    ChildKind::Group(below) => {
-                        let (slot, children) = (self.open(below), self.topology.group(below).children().len());
-                        with_simd!(self.level, simd => self.boxes.get(slot).hull(simd, children))
-                    }
-                    ChildKind::Leaf(leaf) => self.skinned_leaf_box(leaf),
-                };
-                boxes.set(lane, &bounds);
-            }
-            self.blended.volumes += self.topology.group(group).children().len() as u64;
-            self.boxes.insert(group, boxes);
-        }
-    }
-
-    /// A tight box around a leaf's vertices in the body's frame.
-    fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
-        let (topology, level) = (self.topology, self.level);
-        let Some(skinning) = self.pose_leaf(leaf) else {
-            return Aabb::UNBOUNDED;
-        };
-        let widening = skinning.widening();
-        if widening.is_infinite() {
-            return Aabb::UNBOUNDED;
-        }
-        let (vertices, positions) = (topology.leaf_vertices(leaf), skinning.vertices.local());
-        let mut corners = [[0.0; 4]; 2];
-        with_simd!(level, simd => {
-            let [low, high] = around(simd, vertices, positions, widening);
-            low.store_slice(&mut corners[0]);
-            high.store_slice(&mut corners[1]);
-        });
-        let [min, max] = corners.map(|[x, y, z, _]| Vec3::new(x, y, z));
-        Aabb { min, max }
+        let (vertices, widening) = (skinning.vertices.local(), skinning.widening());
+        let fitted = &mut *self.fitted;
+        with_simd!(self.level, simd => fitted.fit(simd, self.topology, groups, vertices, widening, self.boxes));
     }
 
     /// Poses the vertices of a leaf, with all others of its chunk.

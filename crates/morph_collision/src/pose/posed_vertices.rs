@@ -5,6 +5,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::skin_tree::SkinTree;
+use super::stamps::Stamps;
 use crate::bounds::with_simd;
 use crate::joints::JointMatrices;
 use crate::model::{BLOCK, PlacedBlock};
@@ -12,10 +13,9 @@ use crate::model::{BLOCK, PlacedBlock};
 /// Posed vertices, in blocks of eight. The memory is reserved when the first one is posed.
 #[derive(Clone, Debug)]
 pub(super) struct PosedVertices {
-    /// Blocks and chunks with this stamp are valid. Never 0.
-    epoch: u32,
-    stamps: Vec<u32>,
-    chunks: Vec<u32>,
+    blocks: Stamps,
+    /// Chunks of which all blocks are posed.
+    chunks: Stamps,
     /// World positions. The fourth number is padding.
     world: Vec<PlacedBlock>,
     /// The same relative to the origin of the body's frame, rounded to the nearest `f32`.
@@ -25,9 +25,8 @@ pub(super) struct PosedVertices {
 impl PosedVertices {
     pub(super) fn new() -> Self {
         Self {
-            epoch: 1,
-            stamps: Vec::new(),
-            chunks: Vec::new(),
+            blocks: Stamps::new(),
+            chunks: Stamps::new(),
             world: Vec::new(),
             local: Vec::new(),
         }
@@ -35,12 +34,8 @@ impl PosedVertices {
 
     /// Discards all positions and keeps the memory.
     pub(super) fn invalidate(&mut self) {
-        self.epoch = self.epoch.wrapping_add(1);
-        if self.epoch == 0 {
-            self.stamps.fill(0);
-            self.chunks.fill(0);
-            self.epoch = 1;
-        }
+        self.blocks.discard();
+        self.chunks.discard();
     }
 
     /// Poses the blocks of a chunk unless they are posed already. Returns the number of vertices that were posed.
@@ -52,7 +47,7 @@ impl PosedVertices {
         origin: DVec3,
         chunk: usize,
     ) -> u64 {
-        if self.chunks.get(chunk) == Some(&self.epoch) {
+        if self.chunks.is_valid(chunk) {
             return 0;
         }
         self.pose_blocks_of(tree, joints, origin, chunk)
@@ -66,7 +61,26 @@ impl PosedVertices {
                 posed += self.pose(simd, tree, joints, origin, block as usize);
             }
         });
-        self.chunks[chunk] = self.epoch;
+        self.chunks.claim(chunk);
+        posed
+    }
+
+    /// Poses all blocks that are not posed yet. Returns the number of vertices that were posed.
+    #[inline(always)]
+    pub(super) fn pose_all<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: SkinTree<'_>,
+        joints: &JointMatrices,
+        origin: DVec3,
+    ) -> u64 {
+        let mut posed = 0;
+        for block in 0..tree.model.block_count() {
+            posed += self.pose(simd, tree, joints, origin, block);
+        }
+        for chunk in 0..tree.skin.chunks.len() {
+            self.chunks.claim(chunk);
+        }
         posed
     }
 
@@ -80,13 +94,12 @@ impl PosedVertices {
         origin: DVec3,
         block: usize,
     ) -> u64 {
-        if self.stamps.is_empty() {
+        if self.world.is_empty() {
             self.reserve(tree.model.block_count(), tree.skin.chunks.len());
         }
-        if self.stamps[block] == self.epoch {
+        if !self.blocks.claim(block) {
             return 0;
         }
-        self.stamps[block] = self.epoch;
         let Some(skin) = tree.model.skin() else { return 0 };
         let (world, local) = (&mut self.world[block], &mut self.local[block]);
         let positions = tree.model.blend_block(simd, block, tree.weights);
@@ -103,8 +116,8 @@ impl PosedVertices {
 
     #[cold]
     fn reserve(&mut self, blocks: usize, chunks: usize) {
-        self.stamps = vec![0; blocks];
-        self.chunks = vec![0; chunks];
+        self.blocks.reset(blocks);
+        self.chunks.reset(chunks);
         self.world = vec![[[0.0; 4]; BLOCK]; blocks];
         self.local = vec![[[0.0; 4]; BLOCK]; blocks];
     }
@@ -122,7 +135,7 @@ impl PosedVertices {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.stamps) + size_of_val(&*self.chunks) + size_of_val(&*self.world) + size_of_val(&*self.local)
+        self.blocks.bytes() + self.chunks.bytes() + size_of_val(&*self.world) + size_of_val(&*self.local)
     }
 }
 
@@ -145,7 +158,7 @@ mod tests {
         let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
         let set_epoch = |pose: &mut Pose, epoch| {
             let (_, skinning) = pose.skinning.as_mut().unwrap();
-            skinning.vertices.epoch = epoch;
+            skinning.vertices.blocks.epoch = epoch;
         };
         set_epoch(&mut pose, 1);
         assert_eq!(pose.vertex(0), Some(Vec3::X));

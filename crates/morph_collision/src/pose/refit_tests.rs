@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::{Pose, Posed};
+use crate::Kernel;
 use crate::bounds::{Aabb, WorldFromModel};
 use crate::model::MorphModel;
 use crate::tree::{BuildOptions, ChildKind, MorphBvh};
@@ -79,8 +80,11 @@ fn each_box(posed: &mut Posed<'_>, group: usize, visit: &mut impl FnMut(&Aabb, &
 fn refitted_boxes_are_the_boxes_of_the_posed_vertices() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     let mut leaves = 0;
-    for _ in 0..200 {
+    for i in 0..200 {
         let mut pose = refitted(&mut rng);
+        let kernels = Kernel::available();
+        pose.bvh = Arc::new((*pose.bvh).clone().with_kernel(kernels[i % kernels.len()]));
+        pose.refit();
         each_box(&mut pose.posed(), 0, &mut |bounds, points, is_leaf| {
             assert_eq!(*bounds, Aabb::from_points(points.iter().copied()));
             leaves += u32::from(is_leaf);
@@ -88,6 +92,34 @@ fn refitted_boxes_are_the_boxes_of_the_posed_vertices() {
         assert_eq!(pose.bounds(), pose.tight_world_bounds(&WorldFromModel::IDENTITY));
     }
     assert!(leaves > 1000, "{leaves}");
+}
+
+/// Weights, displacements and base positions of all magnitudes, which cancel each other or vanish.
+#[test]
+fn refitted_boxes_are_tight_where_blends_round_most() {
+    let mut rng = Pcg64Mcg::seed_from_u64(6);
+    for _ in 0..100 {
+        let mut number = || match rng.random_range(0..6) {
+            0 => 0.0,
+            1 => -0.0,
+            2 => f32::from_bits(rng.random_range(1..9)),
+            3 => 1.0 + f32::EPSILON,
+            4 => rng.random_range(-1.0..1.0_f32) * 1e15,
+            _ => rng.random_range(-1.0..1.0_f32) * 2_f32.powi(-24),
+        };
+        let mut vectors = || -> Vec<Vec3> { (0..45).map(|_| Vec3::from_array([(); 3].map(|()| number()))).collect() };
+        let (base, targets) = (vectors(), [(); 9].map(|()| vectors()));
+        let weights: Vec<f32> = (0..9).map(|_| number()).collect();
+        let triangles: Vec<[u32; 3]> = (0..43).map(|i| [i, i + 1, i + 2]).collect();
+        let model = MorphModel::from_displacements(&base, &triangles, &targets).unwrap();
+        let options = BuildOptions::default().with_leaf_size(2).unwrap();
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &options)));
+        pose.set_weights(&weights).unwrap();
+        pose.refit();
+        each_box(&mut pose.posed(), 0, &mut |bounds, points, _| {
+            assert_eq!(*bounds, Aabb::from_points(points.iter().copied()));
+        });
+    }
 }
 
 /// Checks that every box contains the posed vertices below it.

@@ -6,6 +6,7 @@
 //! | [`OuterBoxes`]: boxes of joints' parts | a node above the chunks | weights change |
 //! | [`JointHull`]: boxes of joints | the bounds of the whole body | weights change |
 
+use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::joint_hull::JointHull;
@@ -108,6 +109,12 @@ impl Skinning {
     #[inline]
     pub(super) fn pose_chunk(&mut self, tree: SkinTree<'_>, chunk: usize) -> u64 {
         self.vertices.pose_chunk(tree, &self.joints, self.origin, chunk)
+    }
+
+    /// Poses all vertices that are not posed yet. Returns how many.
+    #[inline(always)]
+    pub(super) fn pose_all<S: Simd>(&mut self, simd: S, tree: SkinTree<'_>) -> u64 {
+        self.vertices.pose_all(simd, tree, &self.joints, self.origin)
     }
 
     /// Poses a block of vertices. Returns how many.

@@ -66,8 +66,7 @@ impl MorphBvh {
     /// The number of nodes, including the root and the leaves.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        // Every node is a leaf or has a group of children. Group 0 belongs to no node.
-        self.topology.leaf_count() + self.topology.group_count() - 1
+        self.topology.node_count()
     }
 
     /// The number of leaves.

@@ -152,6 +152,12 @@ impl Topology {
         &self.groups[group]
     }
 
+    /// The number of nodes, including the root and the leaves.
+    pub(crate) fn node_count(&self) -> usize {
+        // Every node is a leaf or has a group of children. Group 0 belongs to no node.
+        self.leaf_count() + self.group_count() - 1
+    }
+
     pub(crate) fn triangle_count(&self) -> usize {
         self.triangles.len()
     }

@@ -1,22 +1,22 @@
-//! Fits the boxes of a chunk to its posed vertices, from the leaves up.
+//! Fits the boxes of a subtree to its posed vertices, from the leaves up.
 
 use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
 
 use super::cache::EpochCache;
-use crate::bounds::{BoxLanes, Corners, LANES};
+use crate::bounds::{Aabb, BoxLanes, Corners, LANES};
 use crate::tree::{ChildKind, Topology};
 
-/// The boxes of the groups that have been fitted, as their parents need them. Memory that the next chunk reuses.
+/// The boxes of the groups that have been fitted, as their parents need them. Memory that the next subtree reuses.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ChunkBoxes {
-    /// By group, counted from the first one of the chunk.
+pub(super) struct FittedBoxes {
+    /// By group, counted from the first one of the subtree.
     hulls: Vec<Corners>,
 }
 
-impl ChunkBoxes {
-    /// Stores the boxes of all groups of a chunk. `vertices` are the positions of all vertices of the mesh; those of the chunk must be
-    /// posed. Boxes are larger by `widening` on all sides.
+impl FittedBoxes {
+    /// Stores the boxes of all groups of a subtree. `vertices` are the positions of all vertices of the mesh; those of the subtree must be
+    /// posed. Boxes are larger by `widening` on all sides, and unbounded if it is infinite.
     #[inline(always)]
     pub(super) fn fit<S: Simd>(
         &mut self,
@@ -27,6 +27,13 @@ impl ChunkBoxes {
         widening: f32,
         boxes: &mut EpochCache<BoxLanes>,
     ) {
+        if widening == f32::INFINITY {
+            for group in groups {
+                let slot = boxes.claim(group);
+                boxes.get_mut(slot).set_all(&Aabb::UNBOUNDED);
+            }
+            return;
+        }
         self.hulls.clear();
         self.hulls.resize(groups.len(), Corners::default());
         // Groups are in preorder, so children come after their parents.
@@ -62,7 +69,7 @@ fn empty<S: Simd>(simd: S) -> [f32x4<S>; 2] {
 
 /// The corners of a box around some vertices.
 #[inline(always)]
-pub(super) fn around<S: Simd>(simd: S, indices: &[u32], vertices: &[[f32; 4]], widening: f32) -> [f32x4<S>; 2] {
+fn around<S: Simd>(simd: S, indices: &[u32], vertices: &[[f32; 4]], widening: f32) -> [f32x4<S>; 2] {
     let [mut low, mut high] = empty(simd);
     for &vertex in indices {
         let position = f32x4::from_slice(simd, &vertices[vertex as usize]);

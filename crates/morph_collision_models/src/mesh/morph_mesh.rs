@@ -105,13 +105,15 @@ impl MorphMesh {
 
     /// Estimate of the peak memory for building a tree of the mesh, including its model, in bytes.
     ///
-    /// Looks at every displacement. Measured on meshes of random points moved by all targets, and rounded up.
+    /// Looks at every displacement. Measured on meshes of random points moved by all targets, and rounded up. A model stores displacements
+    /// in blocks of eight, which may each have a single one.
     pub fn tree_bytes(&self) -> u64 {
         let moving = |displacements: &Vec<Vec3>| displacements.iter().filter(|d| **d != Vec3::ZERO).count() as u64;
-        let displacements: u64 = self.targets.iter().map(moving).sum();
         let (vertices, triangles) = (self.positions.len() as u64, self.triangles.len() as u64);
+        let of_target = |moved: u64| moved * 68 + moved.min(vertices.div_ceil(8)) * 96;
+        let displacements: u64 = self.targets.iter().map(moving).map(of_target).sum();
         let influences = vertices * self.skin.as_ref().map_or(0, |skin| skin.sets.len() as u64);
-        vertices * 64 + triangles * 160 + displacements * 80 + self.targets.len() as u64 * 64 + influences * 128
+        vertices * 64 + triangles * 160 + displacements + self.targets.len() as u64 * 64 + influences * 128
     }
 
     /// Estimate of a body's own memory beside its tree, in bytes: a pose, and for methods that need it a tree over blended

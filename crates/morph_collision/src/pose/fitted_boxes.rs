@@ -29,8 +29,7 @@ impl FittedBoxes {
     ) {
         if widening == f32::INFINITY {
             for group in groups {
-                let slot = boxes.claim(group);
-                boxes.get_mut(slot).set_all(&Aabb::UNBOUNDED);
+                unbounded(boxes, group);
             }
             return;
         }
@@ -62,6 +61,13 @@ impl FittedBoxes {
     }
 }
 
+/// Gives a group boxes without ends, because coordinates are too large to compute with. Returns their slot.
+pub(super) fn unbounded(boxes: &mut EpochCache<BoxLanes>, group: usize) -> usize {
+    let slot = boxes.claim(group);
+    boxes.get_mut(slot).set_all(&Aabb::UNBOUNDED);
+    slot
+}
+
 #[inline(always)]
 fn empty<S: Simd>(simd: S) -> [f32x4<S>; 2] {
     [f32x4::splat(simd, f32::INFINITY), f32x4::splat(simd, f32::NEG_INFINITY)]
@@ -69,7 +75,7 @@ fn empty<S: Simd>(simd: S) -> [f32x4<S>; 2] {
 
 /// The corners of a box around some vertices.
 #[inline(always)]
-fn around<S: Simd>(simd: S, indices: &[u32], vertices: &[[f32; 4]], widening: f32) -> [f32x4<S>; 2] {
+pub(super) fn around<S: Simd>(simd: S, indices: &[u32], vertices: &[[f32; 4]], widening: f32) -> [f32x4<S>; 2] {
     let [mut low, mut high] = empty(simd);
     for &vertex in indices {
         let position = f32x4::from_slice(simd, &vertices[vertex as usize]);

@@ -43,7 +43,7 @@ use crate::tree::MorphBvh;
 pub struct Pose {
     pub(super) bvh: Arc<MorphBvh>,
     pub(super) weights: Weights,
-    /// Whether [`Pose::refit`] made the cached boxes.
+    /// Whether all vertices are posed and boxes are fitted to them, by [`Pose::refit`] or [`Pose::refit_lazily`].
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
     /// Those of a mesh without joints; [`Skinning`] keeps the others.
@@ -157,6 +157,17 @@ impl Pose {
         self.posed().refit();
     }
 
+    /// Poses all vertices now and fits boxes tightly to them: in the upper half of the tree's levels now, below when a query first visits
+    /// them. The boxes stay valid until the weights or joints change.
+    ///
+    /// This is worth it if queries visit a small part of the tree, but blended boxes are loose, because the weights sum to far more than 1.
+    /// `docs/measurements/scale.md` has an example. Cost: `O(n)`. It poses as many vertices as [`Pose::refit`], and fits fewer boxes.
+    pub fn refit_lazily(&mut self) {
+        self.is_refitted = true;
+        self.placed_body.invalidate();
+        self.posed().refit_upper();
+    }
+
     /// Returns the weights, one per target.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
@@ -212,10 +223,11 @@ impl Pose {
     /// [`Pose::world_bounds`], but needs no node to be blended. For other meshes both are the same.
     ///
     /// Cost for a skinned mesh: linear in the number of joints. After new weights, also in the number of targets that move each
-    /// joint's vertices.
+    /// joint's vertices. After [`Pose::refit`] the box around the root's children costs less and is returned instead.
     pub fn broad_phase_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
+        let is_refitted = self.is_refitted;
         let mut posed = self.posed_at(world_from_model);
-        match posed.hull_of_joints() {
+        match posed.hull_of_joints().filter(|_| !is_refitted) {
             Some(bounds) => bounds,
             None => posed.world_bounds(),
         }
@@ -292,6 +304,7 @@ impl Pose {
             placed_body: &mut self.placed_body,
             blended: &mut self.blended,
             fitted: &mut self.fitted,
+            is_refitted: self.is_refitted,
             level: self.bvh.kernel().level,
         }
     }

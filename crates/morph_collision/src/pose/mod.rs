@@ -4,7 +4,7 @@
 //!   weights change (`cache`).
 //! - The boxes of skinned meshes are fitted to posed vertices (`posed_vertices`), a chunk of the tree at a time (`fitted_boxes`,
 //!   `posed_skin`). Above the chunks they are computed from one box per joint (`outer_boxes`).
-//! - [`Pose::refit`] fits all boxes to the posed vertices at once instead (`refit`).
+//! - [`Pose::refit`] fits all boxes to the posed vertices at once instead, [`Pose::refit_lazily`] half of them (`refit`).
 
 mod blend;
 mod blended_vertices;

@@ -48,6 +48,8 @@ pub(crate) struct Posed<'a> {
     pub(super) placed_body: &'a mut PlacedBody,
     pub(super) blended: &'a mut Blended,
     pub(super) fitted: &'a mut FittedBoxes,
+    /// Whether all vertices are posed, and boxes are fitted to them.
+    pub(super) is_refitted: bool,
     /// The SIMD level of the kernels.
     pub(crate) level: Level,
 }
@@ -74,6 +76,9 @@ impl Posed<'_> {
 
     #[inline(never)]
     fn blend(&mut self, group: usize) -> usize {
+        if self.is_refitted {
+            return self.fit(group);
+        }
         if self.skin.is_some() {
             return self.open_skinned(group);
         }

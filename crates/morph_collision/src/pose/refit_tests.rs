@@ -1,4 +1,4 @@
-//! After a refit, every box is the smallest one around the posed vertices below it.
+//! After a refit, at once or lazily, every box is the smallest one around the posed vertices below it.
 
 use std::sync::Arc;
 
@@ -51,8 +51,16 @@ fn refitted(rng: &mut Pcg64Mcg) -> Pose {
     if rng.random_bool(0.5) {
         pose.visit_nodes(|_| true);
     }
-    pose.refit();
+    refit_somehow(&mut pose, rng);
     pose
+}
+
+fn refit_somehow(pose: &mut Pose, rng: &mut Pcg64Mcg) {
+    if rng.random_bool(0.5) {
+        pose.refit();
+    } else {
+        pose.refit_lazily();
+    }
 }
 
 /// Visits every box of a subtree together with the posed vertices below it. Returns the vertices of the whole subtree.
@@ -122,6 +130,28 @@ fn refitted_boxes_are_tight_where_blends_round_most() {
     }
 }
 
+#[test]
+fn a_lazy_refit_fits_the_upper_half_of_the_levels_at_once() {
+    let mesh = morph_collision_models::generated::dolphin(1);
+    let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    pose.visit_nodes(|_| true);
+    pose.refit_lazily();
+    let middle = pose.bvh().depth().div_ceil(2);
+    let mut below = 0;
+    pose.visit_nodes(|node| {
+        assert_eq!(node.was_cached, node.depth <= middle, "depth {}", node.depth);
+        below += usize::from(node.depth > middle);
+        true
+    });
+    assert!(below > 100, "{below}");
+    pose.refit();
+    pose.visit_nodes(|node| {
+        assert!(node.was_cached);
+        true
+    });
+}
+
 /// Checks that every box contains the posed vertices below it.
 fn assert_holds(pose: &mut Pose) {
     each_box(&mut pose.posed(), 0, &mut |bounds, points, _| {
@@ -185,7 +215,7 @@ fn boxes_hold_every_vertex_after_refits_and_new_weights_in_any_order() {
         let mut pose = refitted(&mut rng);
         for _ in 0..12 {
             if rng.random_bool(0.4) {
-                pose.refit();
+                refit_somehow(&mut pose, &mut rng);
             } else {
                 let weights: Vec<f32> = pose.weights().iter().map(|_| rng.random_range(-2.0..3.0)).collect();
                 pose.set_weights(&weights).unwrap();

@@ -211,9 +211,15 @@ fn boxes_hold_every_vertex_and_pairs_are_those_of_brute_force() {
             pairs.sort_unstable();
             assert_eq!(pairs, brute_force(&mut a, &mut b), "{kind:?}, case {case}");
             touching += usize::from(!pairs.is_empty());
-            if case % 3 == 0 {
-                a.refit();
+            let refit = [Pose::refit, Pose::refit_lazily].get(case % 3);
+            if let Some(refit) = refit {
+                refit(&mut a);
                 check_boxes(&mut a);
+                // Refitted boxes also have to serve as bounds of the whole body.
+                pairs.clear();
+                PairQuery::new().all(Body::new(&mut a, &place), Body::new(&mut b, &place), &mut pairs);
+                pairs.sort_unstable();
+                assert_eq!(pairs, brute_force(&mut a, &mut b), "{kind:?}, case {case}, refitted");
             }
         }
     }
@@ -287,10 +293,8 @@ fn boxes_of_huge_weights_hold_their_vertices() {
     for (scale, is_endless) in [(1.0, true), (1e-6, false), (1.0, true)] {
         let joints = [1.0, 3.0, 2.0].map(|of| Affine3A::from_scale(Vec3::splat(of * scale)));
         pose.set_joints(&JointMatrices::new(&joints).unwrap()).unwrap();
-        for is_refitted in [false, true] {
-            if is_refitted {
-                pose.refit();
-            }
+        for refit in [|_: &mut Pose| (), Pose::refit, Pose::refit_lazily] {
+            refit(&mut pose);
             check_boxes(&mut pose);
             pose.visit_nodes(|node| {
                 let is_whole = node.bounds == Aabb::UNBOUNDED;

@@ -121,7 +121,7 @@ pub(crate) struct Topology {
     vertices: Vec<u32>,
     /// The corners of each triangle as indices into its leaf's vertices.
     corners: Vec<[u16; 3]>,
-    pub(super) depth: usize,
+    pub(crate) depth: usize,
 }
 
 /// The triangles of a leaf, indexing its distinct vertices.
@@ -213,6 +213,12 @@ impl Topology {
     pub(crate) fn triangles_below(&self, node: Child) -> &[u32] {
         let [first, last] = self.leaves_below(node);
         &self.triangles[self.leaf_range(first).start..self.leaf_range(last).end]
+    }
+
+    /// The vertices of all leaves below a node. Those that leaves share are repeated. Cost: the depth of the tree.
+    pub(crate) fn vertices_below(&self, node: Child) -> &[u32] {
+        let [first, last] = self.leaves_below(node);
+        &self.vertices[self.vertex_starts[first.0] as usize..self.vertex_starts[last.0 + 1] as usize]
     }
 
     /// The first and the last leaf below a node.

@@ -297,16 +297,24 @@ bench *NAME:
     cargo bench -p morph_collision_testkit --bench queries -- {{NAME}}
 
 # Counts the instructions of 20 frames of the bench scenes, in millions (needs valgrind). Default: all scenes.
-instructions *SCENES: release
+instructions *SCENES: (instructions-of "morph" SCENES)
+
+# The same for ours, for the hybrid and for the full refit, both with our code.
+instructions-rivals *SCENES: (instructions-of "morph hybrid bottom-up" SCENES)
+
+[private]
+instructions-of METHODS *SCENES: release
     #!/usr/bin/env bash
     set -euo pipefail
     export lab="${LAB:-${CARGO_TARGET_DIR:-target}/release/morph-lab}"
     export counts=$(mktemp -d)
     trap 'rm -r "$counts"' EXIT
     count() {
+        column=$2
+        if [ "{{METHODS}}" != morph ]; then column=$3,$2; fi
         # The first pass and the set-up are not counted.
-        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$lab" frames $1 $2 2>&1); then
-            awk -v s=$1 -v w=$2 -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }' > "$counts/$1 $2"
+        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$lab" frames $1 $2 --method $3 2>&1); then
+            awk -v s=$1 -v w=$column -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }' > "$counts/$1 $2 $3"
         elif [ $2 = all ]; then
             echo "skipped: $(sed -n 's/^morph-lab: error: //p' <<< "$output")" >&2
         fi
@@ -315,10 +323,12 @@ instructions *SCENES: release
     scenes="{{SCENES}}"
     # Several at once: the load of the machine does not change the counts.
     for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd head-ray head-rays walkers-ray walkers-rays}; do
-        echo "$scene all"
-        echo "$scene first"
+        for method in {{METHODS}}; do
+            echo "$scene all $method"
+            echo "$scene first $method"
+        done
     done > "$counts/order"
-    xargs -P "$(nproc)" -L 1 bash -c 'count $0 $1' < "$counts/order"
+    xargs -P "$(nproc)" -L 1 bash -c 'count $0 $1 $2' < "$counts/order"
     while read -r run; do
         if [ -e "$counts/$run" ]; then cat "$counts/$run"; fi
     done < "$counts/order"
@@ -398,6 +408,7 @@ instructions-report:
     #!/usr/bin/env bash
     set -euo pipefail
     just instructions | just report --counts instructions
+    just instructions-rivals | just report --counts instructions_rivals
     just instructions-motion | just report --counts instructions_motion
     just instructions-profiles | just report --counts instructions_profiles
 

@@ -263,7 +263,7 @@ fn all_entrants_hit_the_same_triangles_and_boxes_are_nearly_as_good_as_tight_one
                 };
                 assert!(is_same, "{name}: {} hits {theirs:?}, morph {ours:?}", entrant.name);
             }
-            if entrant.name == "morph-eager" {
+            if entrant.name == "bottom-up" {
                 let ratio = work.node_tests as f64 / tight.node_tests as f64;
                 assert!((1.0..=1.4).contains(&ratio), "{name}: {ratio} of the tests");
             }

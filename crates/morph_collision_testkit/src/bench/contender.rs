@@ -59,14 +59,15 @@ const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
     /// All methods that a benchmark runs, ours first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
-        Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
+        Self::new("hybrid", MethodKind::Hybrid, Trees::Ours),
+        Self::new("bottom-up", MethodKind::BottomUp, Trees::Ours),
         Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
         Self::new("paper", MethodKind::Paper(PaperOptions::BOXES), Trees::Ours),
-        Self::new("hybrid", MethodKind::Hybrid, WIDE),
-        Self::new("hybrid-binary", MethodKind::Hybrid, BINARY),
-        Self::new("bottom-up", MethodKind::BottomUp, WIDE),
+        Self::new("hybrid-scalar", MethodKind::HybridScalar, WIDE),
+        Self::new("hybrid-binary", MethodKind::HybridScalar, BINARY),
+        Self::new("bottom-up-scalar", MethodKind::BottomUpScalar, WIDE),
         Self::new("joint-boxes", MethodKind::JointBoxes, WIDE),
         Self::new("parry-trimesh", MethodKind::ParryTriMesh, WIDE),
     ];

@@ -29,7 +29,7 @@
 //! run the same frame twice. The second time nothing is left to update, so its time is *query*, and the extra time of the first
 //! counts as *refit*. The second time also finds processor caches warm, which makes *refit* of lazy methods an upper estimate.
 //!
-//! Parts are then scaled so that they sum to the undisturbed total. For `morph` and `morph-eager`, *blend* is setting weights,
+//! Parts are then scaled so that they sum to the undisturbed total. For `morph`, `hybrid` and `bottom-up`, *blend* is setting weights,
 //! and vertices are blended in *refit*.
 
 mod characters;

@@ -25,16 +25,18 @@ pub enum MethodKind {
     /// This project's method.
     #[default]
     Morph,
-    /// The same with all volumes fitted to the vertices at once.
-    MorphEager,
-    /// The same over meshes frozen beforehand in every shape.
+    /// Refits the upper half bottom-up, the lower half on demand, with this project's code.
+    Hybrid,
+    /// Refits every box, from the leaves up, with this project's code.
+    BottomUp,
+    /// This project's method over meshes frozen beforehand in every shape.
     RigidFloor,
     /// The paper's own method.
     Paper(PaperOptions),
-    /// Refits every box, from the leaves up.
-    BottomUp,
-    /// Refits the upper half bottom-up, the lower half on demand.
-    Hybrid,
+    /// [`MethodKind::Hybrid`] as it is usually written.
+    HybridScalar,
+    /// [`MethodKind::BottomUp`] as it is usually written.
+    BottomUpScalar,
     /// Boxes around the images of one box per joint, each around the vertices that the joint moves.
     JointBoxes,
     /// Parry's triangle mesh with updated vertices.
@@ -45,13 +47,14 @@ pub enum MethodKind {
 
 impl MethodKind {
     /// All methods; the paper's with boxes.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Morph,
-        Self::MorphEager,
+        Self::Hybrid,
+        Self::BottomUp,
         Self::RigidFloor,
         Self::Paper(PaperOptions::BOXES),
-        Self::BottomUp,
-        Self::Hybrid,
+        Self::HybridScalar,
+        Self::BottomUpScalar,
         Self::JointBoxes,
         Self::ParryTriMesh,
         Self::BruteForce,
@@ -60,11 +63,12 @@ impl MethodKind {
     const fn name(self) -> &'static str {
         match self {
             Self::Morph => "morph",
-            Self::MorphEager => "morph-eager",
+            Self::Hybrid => "hybrid",
+            Self::BottomUp => "bottom-up",
             Self::RigidFloor => "rigid-floor",
             Self::Paper(_) => "paper",
-            Self::BottomUp => "bottom-up",
-            Self::Hybrid => "hybrid",
+            Self::HybridScalar => "hybrid-scalar",
+            Self::BottomUpScalar => "bottom-up-scalar",
             Self::JointBoxes => "joint-boxes",
             Self::ParryTriMesh => "parry-trimesh",
             Self::BruteForce => "brute-force",
@@ -81,6 +85,12 @@ impl MethodKind {
     #[must_use]
     pub const fn is_for_skins(self) -> bool {
         matches!(self, Self::JointBoxes)
+    }
+
+    /// Whether it uses this project's trees, walks and kernels, so that options of our trees suit it.
+    #[must_use]
+    pub const fn uses_our_trees(self) -> bool {
+        matches!(self, Self::Morph | Self::Hybrid | Self::BottomUp | Self::RigidFloor)
     }
 
     /// Whether it casts rays.
@@ -122,11 +132,12 @@ impl MethodKind {
         };
         Ok(match self {
             Self::Morph => Box::new(Morph::new(Follow::Lazily, meshes, bodies, options)?),
-            Self::MorphEager => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options)?),
+            Self::Hybrid => Box::new(Morph::new(Follow::ByHalves, meshes, bodies, options)?),
+            Self::BottomUp => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options)?),
             Self::RigidFloor => Box::new(RigidFloor::new(meshes, bodies, options)?),
             Self::Paper(options) => paper::set_up(&welded()?, bodies, options),
-            Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
-            Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
+            Self::HybridScalar => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
+            Self::BottomUpScalar => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::JointBoxes => Box::new(Trees::<JointBoxes>::new(&welded()?, bodies, options)),
             Self::ParryTriMesh => Box::new(Parry::new(&welded()?, bodies)?),
             Self::BruteForce => Box::new(BruteForce::new(&welded()?, bodies)),

@@ -8,11 +8,11 @@
 //! | [`MethodKind`] | cost of a frame before any query | from |
 //! |---|---|---|
 //! | `morph` | nothing | this project |
-//! | `morph-eager` | blends every vertex and fits every volume to them, with this project's own code; separates the method from the engineering | |
+//! | `bottom-up` | poses every vertex, refits every box | van den Bergen 1997 |
+//! | `hybrid` | poses every vertex, refits the upper half of the tree; the rest when a walk reaches it | Larsson, Akenine-Moller 2001 |
 //! | `rigid-floor` | nothing: every shape has its own tree, made beforehand, and skinned meshes are completely posed beforehand; a floor, not a rival | |
 //! | `paper` | nothing | Larsson, Akenine-Moller 2003: the method on which this project is based, as published |
-//! | `bottom-up` | blends every vertex, refits every box | van den Bergen 1997 |
-//! | `hybrid` | blends every vertex, refits the upper half of the tree; the rest when a walk reaches it | Larsson, Akenine-Moller 2001 |
+//! | `bottom-up-scalar`, `hybrid-scalar` | the same, as usually written: one vertex, box and triangle at a time, in plain loops | |
 //! | `joint-boxes` | nothing: a node's box encloses the images of boxes under its joints, one for each joint around the vertices that it moves | Bevy's bounds of skinned meshes, for every node |
 //! | `parry-trimesh` | blends every vertex in place, refits the tree of a `TriMesh` | Parry |
 //! | `brute-force` | blends every vertex and places it in the world | the oracle |
@@ -21,9 +21,11 @@
 //! place every vertex (`skin`).
 //!
 //! The comparison is fair to all of them: vertices are welded, targets with weight zero and vertices that a target does not move
-//! are skipped, and a body whose weights stay the same is not refitted. `bottom-up` and `hybrid` share one tree
-//! (`tree`), eight-wide like the core's, and one walk (`walk`) with the same SAT-lite culling (`boxes`, `frames`). `paper`
-//! follows the paper: one triangle per leaf, one pair of nodes at a time, in `f64`. Its counts are comparable with those of the
+//! are skipped, and a body whose weights stay the same is not refitted. `bottom-up` and `hybrid` use the core's trees, kernels, walks and
+//! tests of triangles ([`Pose::refit`](morph_collision::Pose::refit), [`Pose::refit_lazily`](morph_collision::Pose::refit_lazily)), so they
+//! differ from `morph` only in the method. Their scalar forms share one tree (`tree`), eight-wide like the core's, and one walk (`walk`)
+//! with the same SAT-lite culling (`boxes`, `frames`). How much faster the same method is with the core's code says how much of a ratio to
+//! them is engineering. `paper` follows the paper: one triangle per leaf, one pair of nodes at a time, in `f64`. Its counts are comparable with those of the
 //! others; its times would gain from the engineering that the others have.
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! This project's method as a [`Method`].
+//! This project's method as a [`Method`], and the methods that refit, with this project's code.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,12 +12,14 @@ use morph_collision::{
 use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted, push};
 use morph_collision_models::mesh::MorphMesh;
 
-/// Poses of shared trees with blended volumes.
+/// Poses of shared trees.
 #[derive(Debug)]
 pub(super) struct Morph {
     bodies: Vec<(Pose, WorldFromModel)>,
     /// For each body, whether its joints have moved since its boxes were fitted.
     joints_moved: Vec<bool>,
+    /// For each body, the number of boxes that are fitted at once.
+    fitted_at_once: Vec<u64>,
     follow: Follow,
     query: PairQuery,
     rays: RayQuery,
@@ -32,8 +34,10 @@ pub(super) struct Morph {
 pub(super) enum Follow {
     /// Blended when a query looks at them.
     Lazily,
-    /// All of them fitted tightly at once.
+    /// All vertices posed and all boxes fitted at once.
     AtOnce,
+    /// All vertices posed and the upper half of the levels fitted at once, the others when a query looks at them.
+    ByHalves,
 }
 
 impl Morph {
@@ -49,8 +53,10 @@ impl Morph {
             trees.push(Arc::new(MorphBvh::build(Arc::new(model), &options.tree)));
         }
         let pose = |&mesh: &usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
+        let fitted: Vec<u64> = trees.iter().map(|tree| follow.fitted_at_once(tree)).collect();
         Ok(Self {
             bodies: bodies.iter().map(pose).collect(),
+            fitted_at_once: bodies.iter().map(|&mesh| fitted[mesh]).collect(),
             joints_moved: vec![false; bodies.len()],
             follow,
             query: PairQuery::new(),
@@ -59,6 +65,23 @@ impl Morph {
             memories: BTreeMap::new(),
             work: QueryStats::default(),
         })
+    }
+}
+
+impl Follow {
+    /// The number of boxes of a tree that are fitted at once.
+    fn fitted_at_once(self, tree: &Arc<MorphBvh>) -> u64 {
+        let deepest = match self {
+            Self::Lazily => return 0,
+            Self::AtOnce => return tree.node_count() as u64,
+            Self::ByHalves => tree.depth().div_ceil(2),
+        };
+        let mut count = 0;
+        Pose::new(Arc::clone(tree)).visit_nodes(|node| {
+            count += 1;
+            node.depth < deepest
+        });
+        count
     }
 }
 
@@ -77,19 +100,23 @@ impl Method for Morph {
         let (pose, place) = &mut self.bodies[body];
         let changed = pose.set_weights(weights)? || self.joints_moved[body];
         *place = world_from_model;
-        Ok(changed && self.follow == Follow::AtOnce)
+        Ok(changed && self.follow != Follow::Lazily)
     }
 
     fn refit(&mut self, body: usize) {
         let pose = &mut self.bodies[body].0;
-        pose.refit();
+        match self.follow {
+            Follow::Lazily => {}
+            Follow::AtOnce => pose.refit(),
+            Follow::ByHalves => pose.refit_lazily(),
+        }
         self.joints_moved[body] = false;
-        self.work.nodes_blended += pose.bvh().node_count() as u64;
+        self.work.nodes_blended += self.fitted_at_once[body];
         self.work.vertices_blended += pose.bvh().model().vertex_count() as u64;
     }
 
     fn is_lazy(&self) -> bool {
-        self.follow == Follow::Lazily
+        self.follow != Follow::AtOnce
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {

@@ -3,9 +3,9 @@ use morph_collision::{BuildOptions, InputError};
 /// Options for setting up methods. Each method uses those that it supports, and no answer depends on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodOptions {
-    /// Options of our trees. `bottom-up` and `hybrid` use the leaf size.
+    /// Options of our trees. `bottom-up-scalar` and `hybrid-scalar` use the leaf size.
     pub tree: BuildOptions,
-    /// Most children of a node of `bottom-up` and `hybrid`: 2, 4 or 8.
+    /// Most children of a node of `bottom-up-scalar` and `hybrid-scalar`: 2, 4 or 8.
     pub arity: usize,
     /// Whether `morph`, if only first pairs are wanted, first tries the leaves in which it found a pair the last time.
     pub witness: bool,

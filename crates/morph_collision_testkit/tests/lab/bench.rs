@@ -35,12 +35,13 @@ fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
         let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
         assert_eq!(names[0], "morph");
         for name in [
-            "morph-eager",
+            "hybrid",
+            "bottom-up",
             "rigid-floor",
             "paper",
-            "hybrid",
+            "hybrid-scalar",
             "hybrid-binary",
-            "bottom-up",
+            "bottom-up-scalar",
             "parry-trimesh",
         ] {
             assert!(names.contains(&name), "no {name} in {names:?}");
@@ -86,7 +87,15 @@ fn a_skinned_model_plays_its_clip_against_the_methods_for_skins() -> TestResult 
     let scene = &list(&report, "scenes")?[0];
     let methods = list(scene, "methods")?;
     let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
-    for name in ["morph", "bottom-up", "joint-boxes", "rigid-floor", "parry-trimesh"] {
+    for name in [
+        "morph",
+        "hybrid",
+        "bottom-up",
+        "bottom-up-scalar",
+        "joint-boxes",
+        "rigid-floor",
+        "parry-trimesh",
+    ] {
         assert!(names.contains(&name), "no {name} in {names:?}");
     }
     // It does not support joints.

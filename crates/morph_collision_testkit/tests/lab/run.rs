@@ -37,10 +37,11 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
     assert!(expected.lines().count() > 1000);
     let methods = [
         "morph",
-        "morph-eager",
-        "paper",
-        "bottom-up",
         "hybrid",
+        "bottom-up",
+        "paper",
+        "bottom-up-scalar",
+        "hybrid-scalar",
         "parry-trimesh",
         "joint-boxes",
     ];
@@ -50,10 +51,10 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
         assert_eq!(report["method"], method);
     }
     let (report, csv) = run(&scene, &["--method", "hybrid-binary"])?;
-    assert_eq!((csv, &report["method"]), (expected.clone(), &"hybrid".into()));
+    assert_eq!((csv, &report["method"]), (expected.clone(), &"hybrid-scalar".into()));
     for tree in [
         &["--leaf", "9"][..],
-        &["--method", "hybrid", "--arity", "2", "--leaf", "1"],
+        &["--method", "hybrid-scalar", "--arity", "2", "--leaf", "1"],
     ] {
         assert_eq!(run(&scene, tree)?.1, expected, "{tree:?}");
     }
@@ -73,7 +74,7 @@ fn the_tree_changes_the_work() -> TestResult {
         Ok(run(&scene, options)?.0["node_tests"].as_u64())
     };
     let default = work(&[])?;
-    for options in [["--leaf", "4"], ["--method", "hybrid"]] {
+    for options in [["--leaf", "4"], ["--method", "hybrid-scalar"]] {
         assert_ne!(work(&options)?, default, "{options:?}");
     }
     let paper = ["--method", "paper"];
@@ -100,7 +101,7 @@ fn methods_pose_joints_by_clips() -> TestResult {
         ],
     });
     let scene = write_scene(dir.path(), &scene)?;
-    for method in ["morph", "bottom-up", "brute-force"] {
+    for method in ["morph", "bottom-up", "bottom-up-scalar", "brute-force"] {
         let (report, _) = run(&scene, &["--method", method])?;
         assert_eq!(report["pairs"], json!([1, 0, 1, 1]), "{method}");
     }
@@ -163,8 +164,8 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
     }
     for options in [
         &["--method", "hybrid", "--leaf", "3"][..],
-        &["--method", "bottom-up", "--arity", "2", "--leaf", "2"],
-        &["--method", "morph-eager", "--leaf", "2"],
+        &["--method", "bottom-up-scalar", "--arity", "2", "--leaf", "2"],
+        &["--method", "bottom-up", "--leaf", "2"],
         &["--witness", "--mode", "any"],
     ] {
         run(&scene, options)?;
@@ -184,7 +185,7 @@ fn pairs_of_collapsed_bodies_are_counted() -> TestResult {
     std::fs::write(dir.path().join("point.gltf"), model.to_string())?;
     let scene = json!({"bodies": [{"model": "point.gltf"}, {"model": "point.gltf"}], "frames": [[{}, {}]]});
     let scene = write_scene(dir.path(), &scene)?;
-    let message = error(&scene, &["--method", "bottom-up", "--memory-limit", "256MiB"])?;
+    let message = error(&scene, &["--method", "bottom-up-scalar", "--memory-limit", "256MiB"])?;
     let named = message.contains("frame 0, bodies 0 and 1") && message.contains("more than 2097152 pairs");
     assert!(named && message.contains("--memory-limit"), "{message}");
     Ok(())

@@ -210,7 +210,7 @@ fn names_lead_back_to_their_methods() {
     }
     let error = "hybri".parse::<MethodKind>().unwrap_err().to_string();
     assert!(
-        error.contains("'hybri'") && error.contains("hybrid, joint-boxes"),
+        error.contains("'hybri'") && error.contains("hybrid, bottom-up"),
         "{error}"
     );
 }

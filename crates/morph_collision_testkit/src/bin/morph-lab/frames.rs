@@ -1,4 +1,4 @@
-//! `morph-lab frames dolphins-564 all`: runs all frames of a benchmark scene once to fill caches, and again to count instructions. See
+//! `morph-lab frames dolphins-564 all`, also `--method hybrid`: runs all frames of a benchmark scene once to fill caches, and again to count instructions. See
 //! `just instructions`.
 //!
 //! Counts are comparable only between machines with the same kernel. The program reads no clock, because valgrind cannot run the stopwatch
@@ -11,6 +11,8 @@ use morph_collision_cli::shared::{AnyError, Verdict};
 use morph_collision_testkit::bench::{Asked, Entrant, Experiment, Many, ManyQuestions, NotAsked, Questions};
 use morph_collision_testkit::rivals::{Method, MethodOptions, PoseError};
 
+use crate::methods;
+
 /// Run all frames of a benchmark scene, to count instructions; without a scene, print the kernel of this machine.
 #[derive(Debug, Args)]
 pub(crate) struct FramesArgs {
@@ -20,6 +22,9 @@ pub(crate) struct FramesArgs {
     /// What to find about each pair of bodies.
     #[arg(value_enum)]
     mode: Option<Mode>,
+    /// The method; `many-rays` and `many-points` have only morph.
+    #[arg(long, value_name = "NAME", default_value = "morph", value_parser = methods::names())]
+    method: String,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -41,7 +46,10 @@ pub(crate) fn frames(args: &FramesArgs) -> Result<Verdict, AnyError> {
         Mode::First => Wanted::First,
     };
     let experiment = Experiment::named(scene, 20)?;
-    let mut method = Entrant::ALL[0].set_up(&experiment, &MethodOptions::default())?.method;
+    let mut entrants = Entrant::ALL.iter().chain(&Entrant::SLOW);
+    let entrant = entrants.find(|entrant| entrant.name == args.method && entrant.supports(&experiment));
+    let entrant = entrant.ok_or_else(|| format!("{scene} is not a scene for {}", args.method))?;
+    let mut method = entrant.set_up(&experiment, &MethodOptions::default())?.method;
     let mut questions = Questions::default();
     pass(&experiment, method.as_mut(), &mut questions, wanted)?;
     println!(

@@ -57,7 +57,9 @@ impl SetUp for Rivals<'_> {
     fn bytes(&self, mesh: &MorphMesh) -> (u64, u64) {
         match self.kind {
             MethodKind::Paper(paper) => (paper.tree_bytes(mesh), paper.body_bytes(mesh)),
-            MethodKind::Morph | MethodKind::MorphEager => (mesh.tree_bytes(), mesh.body_bytes(false)),
+            MethodKind::Morph | MethodKind::BottomUp | MethodKind::Hybrid => {
+                (mesh.tree_bytes(), mesh.body_bytes(false))
+            }
             _ => (mesh.tree_bytes(), mesh.body_bytes(true)),
         }
     }

@@ -4,11 +4,12 @@
 //! |---|---|---|
 //! | `certified` | our query; pairs that are proved free for all weights from 0 to 1 are left out | this project |
 //! | `morph` | our query | this project |
-//! | `bottom-up` | blends every vertex, refits an eight-wide tree, and walks over it and itself | van den Bergen 1997 |
+//! | `bottom-up` | our query, after all boxes were fitted to the posed vertices | van den Bergen 1997 |
+//! | `bottom-up-scalar` | the same as usually written: blends every vertex, refits an eight-wide tree, and walks over it and itself | |
 //! | `binary` | the same with a binary tree, split in the middle, ten triangles in a leaf, and one box at a time | the library three-mesh-bvh, as it is used for morphing meshes |
 //! | `brute-force` | blends every vertex, and compares the boxes of all pairs of triangles | |
 //!
-//! The last three reject triangles whose boxes do not overlap before anything else. All of them decide triangles by [`morph_collision::triangles_intersect`] or with the same answer, and leave out triangles that share a
+//! The last three methods reject triangles whose boxes do not overlap before anything else. All of them decide triangles by [`morph_collision::triangles_intersect`] or with the same answer, and leave out triangles that share a
 //! vertex.
 
 mod posed;
@@ -34,8 +35,10 @@ pub enum SelfMethodKind {
     Certified,
     /// Our query.
     Morph,
-    /// An eight-wide tree, refitted.
+    /// Our query over a refitted tree.
     BottomUp,
+    /// An eight-wide tree, refitted, in plain code.
+    BottomUpScalar,
     /// A binary tree, refitted.
     Binary,
     /// All pairs.
@@ -56,10 +59,11 @@ pub trait SelfMethod: fmt::Debug {
 
 impl SelfMethodKind {
     /// All methods, ours first.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Certified,
         Self::Morph,
         Self::BottomUp,
+        Self::BottomUpScalar,
         Self::Binary,
         Self::BruteForce,
     ];
@@ -70,7 +74,7 @@ impl SelfMethodKind {
     /// The mesh is invalid or skinned.
     pub fn set_up(self, mesh: &MorphMesh) -> Result<Box<dyn SelfMethod>, SetUpError> {
         let told = |reason| SetUpError::Model { mesh: 0, reason };
-        let ours = |is_certified: bool| -> Result<Box<dyn SelfMethod>, SetUpError> {
+        let ours = |is_certified: bool, is_refitted: bool| -> Result<Box<dyn SelfMethod>, SetUpError> {
             let model = Arc::new(mesh.to_model().map_err(told)?);
             let bvh = Arc::new(MorphBvh::build(model, &MethodOptions::default().tree));
             if is_certified {
@@ -79,15 +83,17 @@ impl SelfMethodKind {
             Ok(Box::new(Ours {
                 pose: Pose::new(bvh),
                 query: SelfQuery::new(),
+                is_refitted,
                 work: QueryStats::default(),
             }))
         };
         let welded = || WeldedMesh::new(mesh).map(Arc::new).map_err(told);
         let leaf_size = MethodOptions::default().tree.leaf_size();
         Ok(match self {
-            Self::Certified => ours(true)?,
-            Self::Morph => ours(false)?,
-            Self::BottomUp => Box::new(Refitted::new(&welded()?, Cut::Sah, Limits { arity: 8, leaf_size })),
+            Self::Certified => ours(true, false)?,
+            Self::Morph => ours(false, false)?,
+            Self::BottomUp => ours(false, true)?,
+            Self::BottomUpScalar => Box::new(Refitted::new(&welded()?, Cut::Sah, Limits { arity: 8, leaf_size })),
             Self::Binary => Box::new(Refitted::new(
                 &welded()?,
                 Cut::Middle,
@@ -107,6 +113,7 @@ impl fmt::Display for SelfMethodKind {
             Self::Certified => "certified",
             Self::Morph => "morph",
             Self::BottomUp => "bottom-up",
+            Self::BottomUpScalar => "bottom-up-scalar",
             Self::Binary => "binary",
             Self::BruteForce => "brute-force",
         })
@@ -126,12 +133,17 @@ pub fn certify(bvh: &Arc<MorphBvh>) -> Result<(), InputError> {
 struct Ours {
     pose: Pose,
     query: SelfQuery,
+    is_refitted: bool,
     work: QueryStats,
 }
 
 impl SelfMethod for Ours {
     fn find(&mut self, weights: &[f32], pairs: &mut Vec<TrianglePair>) -> Result<(), PoseError> {
-        self.pose.set_weights(weights)?;
+        if self.pose.set_weights(weights)? && self.is_refitted {
+            self.pose.refit();
+            self.work.nodes_blended += self.pose.bvh().node_count() as u64;
+            self.work.vertices_blended += self.pose.bvh().model().vertex_count() as u64;
+        }
         self.query.all(&mut self.pose, pairs);
         self.work += self.query.stats();
         Ok(())

@@ -39,7 +39,7 @@ methods must find the same pairs (with mode first: the same touching bodies); ot
 A frame's time covers setting weights and placements, the broad phase and the queries. Its parts, `blend`, `refit` and `query`, are \
 measured in separate passes and scaled so that they add up to the total. Methods that blend and refit on demand (morph, and the lower \
 half of hybrid) run each frame twice: the second time counts as `query`, and the extra time of the first as `refit`. The second time \
-runs with warm caches, so `refit` of these methods is an upper estimate. For morph and morph-eager, `blend` is setting the weights, and \
+runs with warm caches, so `refit` of these methods is an upper estimate. For morph, hybrid and bottom-up, `blend` is setting the weights, and \
 vertices are blended in `refit`.
 
 Skinned models play a joint animation, 60 steps a second: the first one that also animates targets, or else the first. rigid-floor is \

@@ -12,27 +12,28 @@ pub(crate) use paper::PaperArgs;
 /// The heading of the options that choose a method.
 pub(crate) const HEADING: &str = "Methods";
 
-/// The binary form of the hybrid, which is not a method of its own.
+/// The binary form of `hybrid-scalar`, which is not a method of its own.
 pub(crate) const HYBRID_BINARY: &str = "hybrid-binary";
 
 /// All methods with a description each.
-const METHODS: [(&str, &str); 10] = [
+const METHODS: [(&str, &str); 11] = [
     ("morph", "this library's method"),
     (
-        "morph-eager",
-        "the same, but everything is blended and refitted up front",
+        "hybrid",
+        "refits the upper half of the tree up front and the lower half on demand, with this library's code",
+    ),
+    (
+        "bottom-up",
+        "refits all boxes from the leaves up, with this library's code",
     ),
     (
         "rigid-floor",
-        "the same over meshes frozen beforehand: the cost without any morphing",
+        "this library's method over meshes frozen beforehand: the cost without any morphing",
     ),
     ("paper", "the method as published; not for skinned models"),
-    (
-        "hybrid",
-        "refits the upper half of the tree up front and the lower half on demand",
-    ),
+    ("hybrid-scalar", "hybrid as usually written, in plain loops"),
     (HYBRID_BINARY, "the same with two children per node"),
-    ("bottom-up", "refits all boxes from the leaves up"),
+    ("bottom-up-scalar", "bottom-up as usually written, in plain loops"),
     ("joint-boxes", "boxes from one box per joint; for skinned models"),
     ("parry-trimesh", "Parry's triangle mesh with updated vertices"),
     (
@@ -48,7 +49,7 @@ pub(crate) fn names() -> PossibleValuesParser {
 
 /// The method with one of these names.
 pub(crate) fn kind(name: &str) -> MethodKind {
-    let name = if name == HYBRID_BINARY { "hybrid" } else { name };
+    let name = if name == HYBRID_BINARY { "hybrid-scalar" } else { name };
     name.parse().unwrap_or_default()
 }
 
@@ -74,7 +75,7 @@ mod tests {
             assert!(names.contains(&kind.to_string().as_str()), "{kind}");
         }
         for name in names {
-            let expected = if name == HYBRID_BINARY { "hybrid" } else { name };
+            let expected = if name == HYBRID_BINARY { "hybrid-scalar" } else { name };
             assert_eq!(kind(name).to_string(), expected);
         }
     }

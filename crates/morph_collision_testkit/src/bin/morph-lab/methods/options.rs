@@ -15,10 +15,10 @@ pub(crate) struct MethodArgs {
     method: String,
     #[command(flatten)]
     paper: PaperArgs,
-    /// The most children of a node of bottom-up and hybrid: 2, 4 or 8 (the default).
+    /// The most children of a node of bottom-up-scalar and hybrid-scalar: 2, 4 or 8 (the default).
     #[arg(long, value_name = "N", value_parser = arity, help_heading = HEADING)]
     arity: Option<usize>,
-    /// With morph or morph-eager and the modes first and any: try first the triangles that touched in the frame before.
+    /// With morph, bottom-up or hybrid and the modes first and any: try first the triangles that touched in the frame before.
     #[arg(long, help_heading = HEADING)]
     witness: bool,
 }
@@ -35,7 +35,7 @@ fn arity(text: &str) -> Result<usize, String> {
 impl MethodArgs {
     /// Checks that the method and the mode support every option that was given.
     pub(crate) fn check(&self, mode: Mode, tree: &TreeArgs) -> Result<(), CliError> {
-        use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, RigidFloor};
+        use MethodKind::{BottomUp, BottomUpScalar, Hybrid, HybridScalar, Morph};
         let method = kind(&self.method);
         if mode.is_of_surfaces() && method != Morph {
             let reason = format!("mode {} works only with morph", mode.name());
@@ -43,14 +43,13 @@ impl MethodArgs {
             return Err(CliError::Flag { flag, reason });
         }
         let paper = matches!(method, MethodKind::Paper(_));
-        let ours = matches!(method, Morph | MorphEager | RigidFloor);
         let binary = self.method == HYBRID_BINARY;
-        let has_arity = matches!(method, BottomUp | Hybrid);
+        let has_arity = matches!(method, BottomUpScalar | HybridScalar);
         let of_paper = self.paper.given().map(|(flag, given)| (flag, given, paper));
         let others = [
             ("--arity", self.arity.is_some(), has_arity && !binary),
-            ("--leaf", tree.leaf().is_some(), ours || has_arity),
-            ("--witness", self.witness, matches!(method, Morph | MorphEager)),
+            ("--leaf", tree.leaf().is_some(), method.uses_our_trees() || has_arity),
+            ("--witness", self.witness, matches!(method, Morph | BottomUp | Hybrid)),
         ];
         for (flag, given, fits) in of_paper.into_iter().chain(others) {
             if given && !fits {

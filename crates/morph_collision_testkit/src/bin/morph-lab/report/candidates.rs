@@ -27,12 +27,17 @@ pub(crate) fn morph(label: impl Into<String>, options: MethodOptions) -> Candida
     }
 }
 
-/// A method whose walks test triangles one by one, with leaf sizes that suit it.
+/// A method with leaf sizes that suit it: our default, or 4 if its walks test triangles one by one.
 pub(crate) fn rival(label: impl Into<String>, method: MethodKind) -> Candidate {
+    let options = if method.uses_our_trees() {
+        MethodOptions::default()
+    } else {
+        with_leaf_size(4)
+    };
     Candidate {
         label: label.into(),
         method,
-        options: with_leaf_size(4),
+        options,
     }
 }
 
@@ -63,7 +68,13 @@ pub(crate) fn witness(_: &Experiment) -> Vec<Candidate> {
 
 /// The same beside the best methods that pose and refit everything.
 pub(crate) fn witness_and_rivals(experiment: &Experiment) -> Vec<Candidate> {
-    let rivals = [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryTriMesh];
+    let rivals = [
+        MethodKind::Hybrid,
+        MethodKind::BottomUp,
+        MethodKind::HybridScalar,
+        MethodKind::BottomUpScalar,
+        MethodKind::ParryTriMesh,
+    ];
     let rivals = rivals.map(|kind| rival(kind.to_string(), kind));
     witness(experiment).into_iter().chain(rivals).collect()
 }
@@ -83,13 +94,5 @@ pub(crate) fn methods(experiment: &Experiment) -> Vec<Candidate> {
             && (!rays || kind.casts_rays())
     };
     let methods = MethodKind::ALL.into_iter().filter(is_candidate);
-    let candidate = |method: MethodKind| match method {
-        MethodKind::Morph | MethodKind::MorphEager | MethodKind::RigidFloor => Candidate {
-            label: method.to_string(),
-            method,
-            options: MethodOptions::default(),
-        },
-        _ => rival(method.to_string(), method),
-    };
-    methods.map(candidate).collect()
+    methods.map(|method| rival(method.to_string(), method)).collect()
 }

@@ -5,10 +5,12 @@ use morph_collision_testkit::report::{Table, ratio};
 use crate::report::record::Record;
 
 /// Everything that is not ours.
-const ALL_RIVALS: [&str; 7] = [
+const ALL_RIVALS: [&str; 9] = [
     "hybrid",
-    "hybrid, binary",
     "bottom-up",
+    "hybrid-scalar",
+    "hybrid, binary",
+    "bottom-up-scalar",
     "parry-trimesh",
     "paper",
     "joint-boxes",

@@ -31,7 +31,7 @@ impl EveryMethod for Faces {
           that sum to about 10.\n\
         - Two talking heads touch at their cheeks, and twelve talk in a crowd.\n\
         - Two galloping horses and two dancers pass through each other. They are flip-books: a target for every recorded frame, two of them active.\n\
-        - Models with many targets have no patches of corners, so a refit of everything blends their vertices one by one.\n";
+        - Models with many targets have no patches of corners, so our queries gather the corners of leaves from blended vertices.\n";
 
     fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {
         let mut sources = Vec::new();

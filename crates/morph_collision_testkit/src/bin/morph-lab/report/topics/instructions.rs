@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use morph_collision_testkit::report::Store;
+use morph_collision_testkit::report::{Store, Table, ratios};
 
 use super::{Measure, Topic, no_losses};
 use crate::report::counts::{self, Count};
@@ -17,21 +17,60 @@ pub(super) const TOPIC: Topic = Topic {
 
 fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let (scenes, profiles): (Vec<Count>, Vec<Count>) = (store.rows(counts::SCENES)?, store.rows(counts::PROFILES)?);
+    let rivals: Vec<Count> = store.rows(counts::RIVALS)?;
     let page = Page {
         name: TOPIC.name,
         title: "Instructions",
         intro: "The number of instructions does not depend on what else the machine does, but on its vector instructions. It is counted by callgrind\n\
             (valgrind).\n",
         command: "just instructions-report",
-        data: &[counts::SCENES, counts::PROFILES],
+        data: &[counts::SCENES, counts::RIVALS, counts::PROFILES],
         body: format!(
-            "## Scenes\n\nMillion instructions of 20 frames, for all pairs and for first pairs (for rays, both are the same):\n\n{}{}",
+            "## Scenes\n\nMillion instructions of 20 frames, for all pairs and for first pairs (for rays, both are the same):\n\n{}{}{}",
             counts::table(&scenes, "scene"),
+            of_rivals(&rivals),
             of_profiles(&profiles),
         ),
         ..Page::default()
     };
-    Ok(page.about(scenes.iter().chain(&profiles).map(Count::origin)))
+    Ok(page.about(scenes.iter().chain(&rivals).chain(&profiles).map(Count::origin)))
+}
+
+/// The section about methods that refit, if they were counted. Columns are a method and a question.
+fn of_rivals(counts: &[Count]) -> String {
+    if counts.is_empty() {
+        return String::new();
+    }
+    let mut scenes: Vec<&str> = counts.iter().map(|count| count.row.as_str()).collect();
+    scenes.dedup();
+    let rivals = ["hybrid", "bottom-up"];
+    let mut table = Table::new(["all pairs / first pairs", "ours, millions"].into_iter().chain(rivals));
+    for scene in scenes {
+        let value = |method: &str, wanted: &str| {
+            let column = format!("{method},{wanted}");
+            let count = counts
+                .iter()
+                .find(|count| count.row == scene && count.column == column)?;
+            Some(count.value)
+        };
+        let asked = ["all", "first"]
+            .into_iter()
+            .filter(|wanted| value("morph", wanted).is_some());
+        let ours: Vec<_> = asked.clone().filter_map(|wanted| value("morph", wanted)).collect();
+        let ours: Vec<_> = ours.into_iter().map(|millions| format!("{millions:.2}")).collect();
+        let over = |method| {
+            ratios(
+                asked
+                    .clone()
+                    .map(|wanted| Some(value(method, wanted)? / value("morph", wanted)?)),
+            )
+        };
+        table.row([scene.to_owned(), ours.join(" / ")].into_iter().chain(rivals.map(over)));
+    }
+    format!(
+        "\n## Methods that refit\n\nOurs in the first column, and how many times as many instructions the hybrid and the full refit (`bottom-up`) take with our code, for all\n\
+         pairs and for first pairs (for rays, both are the same).\n\n{table}"
+    )
 }
 
 /// The section about build profiles, if they were measured.
@@ -64,6 +103,30 @@ fn relative(counts: &[Count]) -> Vec<Count> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rivals_are_compared_with_ours_for_each_question() {
+        let count = |row: &str, column: &str, value| Count {
+            row: row.to_owned(),
+            column: column.to_owned(),
+            value,
+            measured: String::new(),
+        };
+        let counts = [
+            count("hands", "morph,all", 2.0),
+            count("hands", "morph,first", 1.0),
+            count("hands", "hybrid,all", 3.0),
+            count("hands", "hybrid,first", 0.5),
+            count("rays", "morph,all", 4.0),
+            count("rays", "bottom-up,all", 20.0),
+        ];
+        let section = of_rivals(&counts);
+        assert!(
+            section.contains("| hands | 2.00 / 1.00 | 1.5 / 0.50 | - |\n| rays | 4.00 | - | 5.0 |"),
+            "{section}"
+        );
+        assert_eq!(of_rivals(&[]), "");
+    }
 
     #[test]
     fn profiles_are_compared_with_the_first() {

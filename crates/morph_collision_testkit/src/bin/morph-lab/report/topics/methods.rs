@@ -16,12 +16,14 @@ impl EveryMethod for GeneratedMeshes {
         *blobs*: two bodies that graze each other, with 40 local targets at weights of both signs, nearly all of them active, as in a face.\n\
         *All pairs* asks for every pair of intersecting triangles, *first pairs* for one per pair of bodies. All methods give the same pairs.\n\
         \n\
-        - `bottom-up` (full refit) and `hybrid` have eight-wide trees and the same order of traversal, with at most four triangles in a leaf. The\n  \
-          test kit's module `rivals` describes each and names its source.\n\
+        - `bottom-up` (full refit) and `hybrid` pose all vertices with our kernels, fit boxes to them in our tree, and then use our walk. The test\n  \
+          kit's module `rivals` describes each and names its source.\n\
+        - `bottom-up-scalar` and `hybrid-scalar` are the same as usually written: eight-wide trees and the same order of traversal, with at most four\n  \
+          triangles in a leaf, in plain loops.\n\
         - `paper` is the paper's own method with its boxes: one node and one triangle at a time, in plain `f64`.\n\
         - `brute-force` is the oracle in exact integers, for scale.\n\
-        - All share our exact test of two triangles. The others compare nodes and leaves one by one in plain loops, ours eight at a time with vector\n  \
-          instructions. So the ratios include engineering as well as method.\n";
+        - All share our exact test of two triangles. Ours, `bottom-up`, `hybrid` and `rigid-floor` compare nodes and leaves eight at a time with vector\n  \
+          instructions, the others one by one in plain loops. So the ratios of the others include engineering as well as method.\n";
 
     fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {
         Ok(Experiment::tuning(every).into_iter().map(Source::from).collect())

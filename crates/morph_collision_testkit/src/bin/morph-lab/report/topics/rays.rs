@@ -16,10 +16,10 @@ impl EveryMethod for Rays {
         and new joints arrive in every frame.\n\
         \n\
         - Most rivals place all vertices, refit, and cast. They pay for that once, however many rays there are. Ours blends the boxes that each ray is\n  \
-          the first to visit.\n\
+          the first to visit. `hybrid` and `bottom-up` cast with our walk and our exact test.\n\
         - `joint-boxes` fits boxes to the posed vertices only where a ray visits.\n\
-        - Rivals test triangles in `f64` without a guarantee at edges; our test is exact.\n\
-        - `morph-eager` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n";
+        - The other rivals test triangles in `f64` without a guarantee at edges; our test is exact.\n\
+        - `bottom-up` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n";
     const QUESTIONS: &'static str = "one ray / a hundred rays";
 
     fn sources(every: usize) -> Result<Vec<Source>, Box<dyn Error>> {

@@ -9,13 +9,14 @@ use morph_collision_models::gltf::read::read_meshes;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_testkit::bench::{Stopwatch, median};
 use morph_collision_testkit::moments::find_real_model;
-use morph_collision_testkit::report::{Store, Table, ratio, short};
+use morph_collision_testkit::report::{NOTHING, Store, Table, ratio, short};
 use morph_collision_testkit::rivals::within::{SelfMethod, SelfMethodKind, certify};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
 use super::Topic;
+use crate::report::comparison::AS_USUALLY_WRITTEN;
 use crate::report::context::Context;
 use crate::report::page::Page;
 
@@ -200,7 +201,8 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             - *Certified* is our query on a tree with certificates for all weights from 0 to 1: pairs that are proved free are left out, and leaves\n  \
               that have no other pairs are not blended (`MorphBvh::set_certificates`).\n\
             - *No certificates* is the same query on a tree without.\n\
-            - *Refit* blends every vertex, refits an eight-wide tree bottom up, and walks over it and itself.\n\
+            - *Refit* (`bottom-up`) is our query after all boxes were fitted to the posed vertices (`Pose::refit`).\n\
+            - *As usually written*: in plain code, blend every vertex, refit an eight-wide tree bottom up, and walk over it and itself.\n\
             - *Binary tree* is what one does with three-mesh-bvh, in Rust: blend every vertex, refit a binary tree with ten triangles in a leaf, split in the\n  \
               middle, and walk over it and itself one box at a time.\n\
             - *Brute force* compares the boxes of all pairs of triangles, in one round.\n\
@@ -226,19 +228,20 @@ fn title(of_model: &[Timed]) -> String {
 }
 
 fn times(rows: &[Timed]) -> Table {
-    let mut table = Table::new([
-        "",
-        "certified, ms",
-        "no certificates",
-        "refit",
-        "binary tree",
-        "brute force",
-    ]);
+    let others = [
+        ("no certificates", SelfMethodKind::Morph),
+        ("refit", SelfMethodKind::BottomUp),
+        (AS_USUALLY_WRITTEN, SelfMethodKind::BottomUpScalar),
+        ("binary tree", SelfMethodKind::Binary),
+        ("brute force", SelfMethodKind::BruteForce),
+    ];
+    let mut table = Table::new(["", "certified, ms"].into_iter().chain(others.map(|(title, _)| title)));
     for of_model in models(rows) {
-        let cells = of_model.iter().map(|row| match row.method.as_str() {
-            "certified" => format!("{:.2}", row.milliseconds),
-            _ => ratio(row.ratio),
-        });
+        let row = |kind: SelfMethodKind| of_model.iter().find(|row| row.method == kind.to_string());
+        let certified = row(SelfMethodKind::Certified).map(|row| format!("{:.2}", row.milliseconds));
+        let others = others.map(|(_, kind)| row(kind).map(|row| ratio(row.ratio)));
+        let cells = [certified].into_iter().chain(others);
+        let cells = cells.map(|cell| cell.unwrap_or(NOTHING.to_owned()));
         table.row(std::iter::once(title(of_model)).chain(cells));
     }
     table

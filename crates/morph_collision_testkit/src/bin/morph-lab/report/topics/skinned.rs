@@ -16,7 +16,8 @@ impl EveryMethod for Skinned {
         other, and twelve in a crowd. [Frame to frame](frame_to_frame.md) has the same scenes in consecutive frames, with and without a remembered\n\
         pair.\n\
         \n\
-        - `bottom-up`, `hybrid` and Parry's place every vertex by its joints in every frame, and then refit.\n\
+        - `bottom-up`, `hybrid` and Parry's place every vertex by its joints in every frame, and then refit. The first two use our kernels and our tree,\n  \
+          and their scalar forms plain loops.\n\
         - `joint-boxes` (boxes per joint) has a tree over the mesh at rest, whose nodes know which joints move them. Only where a query visits, it\n  \
           computes boxes from a box per joint, and skins vertices.\n\
         - What remains in ours: vertices and boxes of a part of a character are computed together when a query first looks at it, also those that\n  \

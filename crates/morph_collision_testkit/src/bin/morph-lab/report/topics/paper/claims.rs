@@ -79,7 +79,12 @@ pub(super) fn show(rows: &[Record]) -> String {
                 let ratio = |scene: Scene<'_>| Some(scene.ratio(hybrid, wanted)? / scene.ratio(method, wanted)?);
                 range(sizes(rows).filter_map(ratio))
             };
-            format!("{} (binary: {})", ratios("hybrid"), ratios(BINARY))
+            format!(
+                "{} (plain code: {}, binary: {})",
+                ratios("hybrid"),
+                ratios("hybrid-scalar"),
+                ratios(BINARY)
+            )
         };
         table.row([
             format!("dolphins, {title}: hybrid's time over it"),

@@ -10,6 +10,7 @@ use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
 use super::{Measure, Topic};
 use crate::report::candidates::{morph, rival};
+use crate::report::comparison::AS_USUALLY_WRITTEN;
 use crate::report::context::Context;
 use crate::report::losses::{Loss, losses};
 use crate::report::page::Page;
@@ -22,6 +23,7 @@ use sizes::Bytes;
 const NAME: &str = "scale";
 const BYTES: &str = "scale_bytes";
 
+const SCALAR: &str = "hybrid-scalar";
 const BUILD: &str = "build";
 const PARRYS_BUILD: &str = "Parry's binned build";
 
@@ -54,6 +56,8 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
     let candidates = [
         morph("morph", MethodOptions::default()),
         rival("hybrid", MethodKind::Hybrid),
+        rival("bottom-up", MethodKind::BottomUp),
+        rival(SCALAR, MethodKind::HybridScalar),
     ];
     let rounds = context.rounds.min(3);
     let (mut rows, mut bytes) = (Vec::new(), Vec::new());
@@ -104,8 +108,10 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let page = Page {
         name: NAME,
         title: "Scale",
-        intro: "Time of a frame while one number grows, next to the eight-wide hybrid.\n\
+        intro: "Time of a frame while one number grows, next to the hybrid and the full refit (`bottom-up`), both with our code, and to the hybrid as it is\n\
+            usually written, in plain code.\n\
             \n\
+            - The columns after our times are multiples of them; *as usually written* is the hybrid.\n\
             - *Power* is the exponent of growth, fitted by least squares over all sizes but a single body.\n\
             - Memory is that of the mesh (base and displacements), of the tree that all bodies share, and of one body's pose after it was asked for all pairs.\n\
             - Building is our default tree with its tables, next to Parry's binned tree over the same triangles at rest, in turns.\n\
@@ -123,9 +129,13 @@ fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
     let mut table = Table::new([
         growth.axis,
         "all pairs, us",
-        "hybrid / morph",
+        "hybrid",
+        "full refit",
+        AS_USUALLY_WRITTEN,
         "first pair, us",
-        "hybrid / morph",
+        "hybrid",
+        "full refit",
+        AS_USUALLY_WRITTEN,
         "mesh, kB",
         "tree, kB",
         "pose, kB",
@@ -141,16 +151,20 @@ fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
     let time = |method, wanted, unit: f64| -> Column<'_> {
         Box::new(move |scene: Scene<'_>| Some(scene.row(method, wanted)?.microseconds / unit))
     };
-    let over = |wanted| -> Column<'_> { Box::new(move |scene: Scene<'_>| scene.ratio("hybrid", wanted)) };
+    let over = |method, wanted| -> Column<'_> { Box::new(move |scene: Scene<'_>| scene.ratio(method, wanted)) };
     let kilobytes = |of: fn(&Bytes) -> usize| -> Column<'_> {
         Box::new(move |scene: Scene<'_>| Some(of(of_size(scene.size())?) as f64 / 1e3))
     };
     // Digits after the point, and whether a power says anything.
     let columns = [
         (time("morph", ALL, 1.0), 1, true),
-        (over(ALL), 2, false),
+        (over("hybrid", ALL), 2, false),
+        (over("bottom-up", ALL), 2, false),
+        (over(SCALAR, ALL), 2, false),
         (time("morph", FIRST, 1.0), 1, true),
-        (over(FIRST), 2, false),
+        (over("hybrid", FIRST), 2, false),
+        (over("bottom-up", FIRST), 2, false),
+        (over(SCALAR, FIRST), 2, false),
         (kilobytes(|bytes| bytes.model), 0, true),
         (kilobytes(|bytes| bytes.tree), 0, true),
         (kilobytes(|bytes| bytes.pose), 1, true),
@@ -185,7 +199,7 @@ fn points(rows: &[Record], series: &str, of: &dyn Fn(Scene<'_>) -> Option<f64>) 
 
 fn panel(growth: &Growth, rows: &[Record]) -> Panel {
     let lines = [("morph", ALL), ("hybrid", ALL), ("morph", FIRST), ("hybrid", FIRST)];
-    let series = lines.map(|(method, wanted)| {
+    let series = lines.into_iter().map(|(method, wanted)| {
         let points = points(rows, growth.scene, &|scene| {
             Some(scene.row(method, wanted)?.microseconds)
         });
@@ -205,7 +219,7 @@ fn panel(growth: &Growth, rows: &[Record]) -> Panel {
             label: "time of a frame, us",
             log: true,
         },
-        series: series.into(),
+        series: series.filter(|line| line.points.len() > 1).collect(),
     }
 }
 
@@ -239,11 +253,11 @@ mod tests {
     fn a_table_has_a_row_for_each_size_and_one_for_powers() {
         let table = table(&GROWTHS[1], &series(GROWTHS[1].scene, 1.0), &[]).to_string();
         assert!(
-            table.contains("| 10 | 10.0 | | 10.0 | | | | | 0.01 | 0.01 |"),
+            table.contains("| 10 | 10.0 | | | | 10.0 | | | | | | | 0.01 | 0.01 |"),
             "{table}"
         );
         assert!(
-            table.ends_with("| power | 1.00 | | 1.00 | | | | | 1.00 | 1.00 |\n"),
+            table.ends_with("| power | 1.00 | | | | 1.00 | | | | | | | 1.00 | 1.00 |\n"),
             "{table}"
         );
     }

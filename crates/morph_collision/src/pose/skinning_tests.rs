@@ -215,11 +215,10 @@ fn boxes_hold_every_vertex_and_pairs_are_those_of_brute_force() {
             if let Some(refit) = refit {
                 refit(&mut a);
                 check_boxes(&mut a);
-                // Refitted boxes also have to serve as bounds of the whole body.
-                pairs.clear();
-                PairQuery::new().all(Body::new(&mut a, &place), Body::new(&mut b, &place), &mut pairs);
-                pairs.sort_unstable();
-                assert_eq!(pairs, brute_force(&mut a, &mut b), "{kind:?}, case {case}, refitted");
+                let mut of_refitted = Vec::new();
+                PairQuery::new().all(Body::new(&mut a, &place), Body::new(&mut b, &place), &mut of_refitted);
+                of_refitted.sort_unstable();
+                assert_eq!(of_refitted, pairs, "{kind:?}, case {case}");
             }
         }
     }

@@ -15,7 +15,7 @@ fn run_and_bench_have_the_same_methods() -> TestResult {
         Ok(listed.map(|(name, _)| name.to_owned()).collect())
     };
     let of_run = methods("run")?;
-    assert!(of_run.len() == 10 && of_run.contains(&"paper".to_owned()), "{of_run:?}");
+    assert!(of_run.len() == 11 && of_run.contains(&"paper".to_owned()), "{of_run:?}");
     assert_eq!(methods("bench")?, of_run);
     Ok(())
 }

@@ -20,7 +20,7 @@ const METHODS: [(&str, &str); 11] = [
     ("morph", "this library's method"),
     (
         "hybrid",
-        "refits the upper half of the tree up front and the lower half on demand, with this library's code",
+        "refits half of the tree up front and the rest on demand, with this library's code",
     ),
     (
         "bottom-up",

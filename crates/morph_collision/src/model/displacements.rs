@@ -9,6 +9,7 @@ use hashbrown::hash_table::Entry;
 
 use super::blocks::{BLOCK, BlockVectors, block_and_lane};
 use super::targets::TargetDisplacements;
+use super::weights::Weights;
 
 /// The displacement of one vertex by one target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,8 @@ pub(super) struct Displacements {
     columns: Vec<Columns>,
     deltas: Vec<BlockVectors>,
     targets: Vec<u16>,
+    /// By target: the root of the share of blocks that it moves.
+    spreads: Vec<f32>,
 }
 
 /// The displacements of a block, one per target that moves any of its vertices, ascending by target.
@@ -43,10 +46,12 @@ impl Displacements {
         let blocks = || vertices.chunks(BLOCK);
         let mut columns = Vec::with_capacity(blocks().len());
         let (mut list, mut known, mut count) = (Vec::new(), Lists::default(), 0);
+        let mut moved = vec![0_u32; targets.len()];
         for block in blocks() {
             let moves = |target: &T| block.iter().any(|&vertex| target.of(vertex as usize) != Vec3::ZERO);
             list.clear();
             list.extend((0..).zip(targets).filter(|(_, of)| moves(of)).map(|(target, _)| target));
+            list.iter().for_each(|&target: &u16| moved[usize::from(target)] += 1);
             columns.push(Columns {
                 count: list.len() as u32,
                 targets: known.start_of(&list),
@@ -67,6 +72,10 @@ impl Displacements {
             columns,
             deltas,
             targets: known.targets,
+            spreads: moved
+                .iter()
+                .map(|&moved| (moved as f32 / blocks().len() as f32).sqrt())
+                .collect(),
         }
     }
 
@@ -89,8 +98,18 @@ impl Displacements {
         all.filter(|displacement| displacement.delta != Vec3::ZERO)
     }
 
+    /// An estimate of how loose blended boxes are: the sum of the absolute weights, each times the root of the share of vertices that its
+    /// target moves.
+    pub(super) fn looseness(&self, weights: &Weights) -> f32 {
+        let of_target = |&(target, weight): &(u32, f32)| weight.abs() * self.spreads[target as usize];
+        weights.active().iter().map(of_target).sum()
+    }
+
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.columns) + size_of_val(&*self.deltas) + size_of_val(&*self.targets)
+        size_of_val(&*self.columns)
+            + size_of_val(&*self.deltas)
+            + size_of_val(&*self.targets)
+            + size_of_val(&*self.spreads)
     }
 }
 

@@ -315,6 +315,11 @@ impl MorphModel {
         &self.target_reach
     }
 
+    /// An estimate of how loose boxes are that are blended for these weights.
+    pub(crate) fn looseness(&self, weights: &Weights) -> f32 {
+        self.displacements.looseness(weights)
+    }
+
     /// The posed position of a welded vertex in model space. Every answer is based on this definition.
     ///
     /// It is computed in `f32`, in ascending target order, skipping zero weights, with separate multiplications and additions.

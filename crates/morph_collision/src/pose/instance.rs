@@ -10,6 +10,7 @@ use super::cache::EpochCache;
 use super::fitted_boxes::FittedBoxes;
 use super::placed_body::PlacedBody;
 use super::posed::{Blended, Posed};
+use super::refit::BoxSource;
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
 use super::weights::WeightsError;
@@ -43,8 +44,7 @@ use crate::tree::MorphBvh;
 pub struct Pose {
     pub(super) bvh: Arc<MorphBvh>,
     pub(super) weights: Weights,
-    /// Whether all vertices are posed and boxes are fitted to them, by [`Pose::refit`] or [`Pose::refit_lazily`].
-    is_refitted: bool,
+    source: BoxSource,
     boxes: EpochCache<BoxLanes>,
     /// Those of a mesh without joints; [`Skinning`] keeps the others.
     vertices: BlendedVertices,
@@ -65,7 +65,7 @@ impl Pose {
         });
         let mut pose = Self {
             weights: Weights::new(&vec![0.0; bvh.model().target_count()]),
-            is_refitted: false,
+            source: BoxSource::Blended,
             boxes: EpochCache::new(bvh.topology.group_count()),
             vertices: BlendedVertices::new(),
             placed_body: PlacedBody::default(),
@@ -116,7 +116,7 @@ impl Pose {
             self.vertices.discard();
         }
         self.placed_body.invalidate();
-        self.is_refitted = false;
+        self.source = BoxSource::of_weights(self.bvh.model(), &self.weights);
         if let (Some((world_from_body, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
             let tree = SkinTree {
                 model: self.bvh.model(),
@@ -152,9 +152,14 @@ impl Pose {
     ///
     /// Cost: `O(n)`. Every vertex is blended and every box fitted.
     pub fn refit(&mut self) {
-        self.is_refitted = true;
+        self.source = BoxSource::Refitted;
         self.placed_body.invalidate();
         self.posed().refit();
+    }
+
+    /// Whether [`Pose::refit`] or [`Pose::refit_lazily`] was called since the weights or joints changed.
+    fn is_refitted(&self) -> bool {
+        self.source == BoxSource::Refitted
     }
 
     /// Poses all vertices now and fits boxes tightly to them: in the upper half of the tree's levels now, below when a query first visits
@@ -163,7 +168,7 @@ impl Pose {
     /// This is worth it if queries visit a small part of the tree, but blended boxes are loose, because the weights sum to far more than 1.
     /// `docs/measurements/scale.md` has an example. Cost: `O(n)`. It poses as many vertices as [`Pose::refit`], and fits fewer boxes.
     pub fn refit_lazily(&mut self) {
-        self.is_refitted = true;
+        self.source = BoxSource::Refitted;
         self.placed_body.invalidate();
         self.posed().refit_upper();
     }
@@ -225,7 +230,7 @@ impl Pose {
     /// Cost for a skinned mesh: linear in the number of joints. After new weights, also in the number of targets that move each
     /// joint's vertices. After [`Pose::refit`] the box around the root's children costs less and is returned instead.
     pub fn broad_phase_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
-        let is_refitted = self.is_refitted;
+        let is_refitted = self.is_refitted();
         let mut posed = self.posed_at(world_from_model);
         match posed.hull_of_joints().filter(|_| !is_refitted) {
             Some(bounds) => bounds,
@@ -258,9 +263,9 @@ impl Pose {
     /// cache.
     pub(crate) fn copied<'c>(copy: &'c mut Option<Self>, pose: &Self) -> &'c mut Self {
         let copy = copy.get_or_insert_with(|| pose.clone());
-        let is_of_the_same_kind = Arc::ptr_eq(&copy.bvh, &pose.bvh) && copy.is_refitted == pose.is_refitted;
+        let is_of_the_same_kind = Arc::ptr_eq(&copy.bvh, &pose.bvh) && copy.is_refitted() == pose.is_refitted();
         let is_current = is_of_the_same_kind
-            && if pose.is_refitted {
+            && if pose.is_refitted() {
                 // Refitted boxes are valid for one state only.
                 copy.joints() == pose.joints() && copy.weights() == pose.weights()
             } else {
@@ -304,7 +309,7 @@ impl Pose {
             placed_body: &mut self.placed_body,
             blended: &mut self.blended,
             fitted: &mut self.fitted,
-            is_refitted: self.is_refitted,
+            source: &mut self.source,
             level: self.bvh.kernel().level,
         }
     }
@@ -315,7 +320,7 @@ impl fmt::Debug for Pose {
         f.debug_struct("Pose")
             .field("bvh", &self.bvh)
             .field("weights", &self.weights())
-            .field("is_refitted", &self.is_refitted)
+            .field("is_refitted", &self.is_refitted())
             .finish_non_exhaustive()
     }
 }

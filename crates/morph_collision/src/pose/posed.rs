@@ -8,6 +8,7 @@ use super::blended_vertices::BlendedVertices;
 use super::cache::EpochCache;
 use super::fitted_boxes::FittedBoxes;
 use super::placed_body::PlacedBody;
+use super::refit::BoxSource;
 use super::skinning::Skinning;
 use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::Triangle;
@@ -48,8 +49,7 @@ pub(crate) struct Posed<'a> {
     pub(super) placed_body: &'a mut PlacedBody,
     pub(super) blended: &'a mut Blended,
     pub(super) fitted: &'a mut FittedBoxes,
-    /// Whether all vertices are posed, and boxes are fitted to them.
-    pub(super) is_refitted: bool,
+    pub(super) source: &'a mut BoxSource,
     /// The SIMD level of the kernels.
     pub(crate) level: Level,
 }
@@ -76,8 +76,8 @@ impl Posed<'_> {
 
     #[inline(never)]
     fn blend(&mut self, group: usize) -> usize {
-        if self.is_refitted {
-            return self.fit(group);
+        if let Some(slot) = self.fit_instead(group) {
+            return slot;
         }
         if self.skin.is_some() {
             return self.open_skinned(group);

@@ -8,7 +8,36 @@ use super::fitted_boxes::{around, unbounded};
 use super::posed::Posed;
 use super::skinning::Skinning;
 use crate::bounds::{Corners, LANES, with_simd};
+use crate::model::{MorphModel, Weights};
 use crate::tree::{ChildKind, SkinTables, Source};
+
+/// Where the boxes come from that are not cached yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum BoxSource {
+    /// They are blended; with joints, fitted chunk by chunk.
+    Blended,
+    /// Blended boxes would be loose. As soon as a query looks below the root's children, all vertices are posed.
+    Loose,
+    /// The same, and all vertices are posed. Boxes below those of the root's children are fitted to them.
+    FittedBelow,
+    /// [`Pose::refit`](super::Pose::refit) or [`Pose::refit_lazily`](super::Pose::refit_lazily): all vertices are posed, and boxes are fitted to
+    /// them.
+    Refitted,
+}
+
+/// Boxes are blended up to this looseness. Chosen from counts of instructions with 32 to 256 dense or sparse targets (docs/tried.md).
+const LOOSE: f32 = 12.0;
+
+/// The first group below the root's children. Those bound the body: they do not depend on earlier queries.
+const FIRST_BELOW: usize = 2;
+
+impl BoxSource {
+    /// The source for these weights. Blended boxes are for any weights, so they are the looser, the more weights move a vertex.
+    pub(super) fn of_weights(model: &MorphModel, weights: &Weights) -> Self {
+        let is_loose = model.skin().is_none() && model.looseness(weights) > LOOSE;
+        if is_loose { Self::Loose } else { Self::Blended }
+    }
+}
 
 impl Posed<'_> {
     /// Replaces all cached boxes with tight ones, in one pass over the tree. Vertices that are posed already are not posed again. Cost: `O(n)`.
@@ -27,9 +56,33 @@ impl Posed<'_> {
         self.fitted.fit(simd, topology, groups, vertices, widening, self.boxes);
     }
 
-    /// Poses all vertices and fits the boxes of the upper half of the levels to them. [`Posed::fit`] fits the others.
+    /// Replaces all cached boxes: poses all vertices and fits the boxes of the upper half of the levels to them. [`Posed::fit`] fits the others.
     pub(super) fn refit_upper(&mut self) {
         self.boxes.next_epoch();
+        self.fit_upper(0);
+    }
+
+    /// Fits a group's boxes, unless they have to be blended. Returns their slot.
+    #[inline]
+    pub(super) fn fit_instead(&mut self, group: usize) -> Option<usize> {
+        let is_below = group >= FIRST_BELOW;
+        match *self.source {
+            BoxSource::Refitted => {}
+            BoxSource::FittedBelow if is_below => {}
+            BoxSource::Loose if is_below => {
+                *self.source = BoxSource::FittedBelow;
+                self.fit_upper(FIRST_BELOW);
+                if let Some(slot) = self.boxes.find(group) {
+                    return Some(slot);
+                }
+            }
+            _ => return None,
+        }
+        Some(self.fit(group))
+    }
+
+    /// Poses all vertices and fits the boxes of the upper half of the levels to them, from a group on.
+    fn fit_upper(&mut self, first: usize) {
         with_simd!(self.level, simd => self.pose_all(simd));
         let topology = self.topology;
         let lowest = topology.depth.saturating_sub(1) / 2;
@@ -43,13 +96,13 @@ impl Posed<'_> {
                 }
             }
         }
-        for group in upper.into_iter().rev() {
+        for group in upper.into_iter().rev().filter(|&group| group >= first) {
             self.fit_group(group);
         }
     }
 
     /// Fits a group's boxes to vertices, which are all posed. Returns their slot.
-    pub(super) fn fit(&mut self, group: usize) -> usize {
+    fn fit(&mut self, group: usize) -> usize {
         if let Some(tree) = self.skin_tree()
             && let Source::Chunk(_) = tree.skin.chunks.source(group)
         {

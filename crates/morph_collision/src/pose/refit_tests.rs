@@ -254,3 +254,39 @@ fn no_vertex_moves_farther_between_weights_than_the_bound() {
     }
     assert!(nearest > 0.3, "the bound is far from reached: {nearest}");
 }
+
+/// Many targets, each of which moves every vertex. With all weights 1 blended boxes are loose.
+fn with_many_targets() -> Pose {
+    let mesh = morph_collision_models::generated::random::random_blob(7, 3, 60, 0.0);
+    let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+    Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
+}
+
+#[test]
+fn boxes_that_would_be_loose_are_fitted_as_soon_as_something_looks_below_the_roots_children() {
+    let mut pose = with_many_targets();
+    let vertices = pose.bvh().model().vertex_count() as u64;
+    for (weight, is_loose) in [(1.0, true), (0.1, false), (-1.0, true)] {
+        pose.set_weights(&[weight; 60]).unwrap();
+        let before = pose.posed().blended();
+        let of_the_body = pose.bounds();
+        assert_eq!(pose.posed().blended().vertices, before.vertices, "bounds pose nothing");
+        let (mut tight, mut loose) = (0, 0);
+        each_box(&mut pose.posed(), 2, &mut |bounds, points, _| {
+            let fitted = Aabb::from_points(points.iter().copied());
+            assert!(bounds.contains(fitted.min) && bounds.contains(fitted.max));
+            *if *bounds == fitted { &mut tight } else { &mut loose } += 1;
+        });
+        assert!(tight + loose > 15, "{tight} {loose}");
+        assert_eq!(is_loose, loose == 0, "{tight} {loose}");
+        if is_loose {
+            assert_eq!(pose.posed().blended().vertices - before.vertices, vertices, "each once");
+        }
+        // The bounds of the body do not depend on what was asked before.
+        pose.visit_nodes(|_| true);
+        assert_eq!(pose.bounds(), of_the_body);
+        pose.refit();
+        assert_ne!(pose.bounds(), of_the_body);
+        pose.set_weights(&[0.0; 60]).unwrap();
+    }
+}

@@ -23,13 +23,6 @@ impl Box64 {
             half: 0.5 * (max - min),
         }
     }
-
-    pub(crate) fn point(point: DVec3) -> Self {
-        Self {
-            center: point,
-            half: DVec3::ZERO,
-        }
-    }
 }
 
 /// A frame for the boxes of two bodies, with a lower bound on the world lengths of its vectors.
@@ -127,7 +120,7 @@ fn image(frame: &Frame, source: &Box64) -> Box64 {
 /// The fraction is 1 if the axes stay orthogonal. If they are far from orthogonal, both results are zero. With the axes scaled
 /// to length 1, the difference of the two matrices is diagonally dominant and therefore positive semidefinite. This needs
 /// every row to be dominant, so it is all axes or none.
-fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
+pub(super) fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
     let gram = linear.transpose() * linear;
     let lengths = gram.diagonal().map(f64::sqrt);
     // For each axis, the sum of its absolute cosines with all axes, including 1 with itself.

@@ -4,6 +4,7 @@
 mod aabb;
 mod box_lanes;
 mod box_map;
+mod distance;
 mod extent;
 mod frame;
 mod gap;
@@ -11,6 +12,7 @@ mod intervals;
 mod inverse;
 mod kernel;
 mod lanes;
+mod local;
 mod map_frame;
 mod moving_extent;
 mod moving_lanes;
@@ -25,6 +27,7 @@ mod world_query;
 pub use aabb::Aabb;
 pub(crate) use box_lanes::{BoxLanes, Corners};
 pub(crate) use box_map::{BoxMap, world_map};
+pub(crate) use distance::DistanceCull;
 pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, FrameLanes, PlacedBounds, visit_frames};
 pub(crate) use gap::{Box64, GapFrame};
@@ -41,7 +44,11 @@ pub(crate) use ray::{LocalRay, RayCull};
 pub(crate) use rounding::{down, up};
 pub(crate) use slopes::{Slopes, push_slopes, slopes_len};
 pub use transform::WorldFromModel;
-pub(crate) use world_query::{ByBox, LowerBounds, ModelPlane};
+pub(crate) use world_query::{ByBox, Keys, LowerBounds, ModelPlane};
 
+#[cfg(test)]
+mod distance_tests;
+#[cfg(test)]
+mod ray_tests;
 #[cfg(test)]
 mod rounding_tests;

@@ -4,14 +4,14 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use crate::bounds::{LANES, LowerBounds, lanes_of, with_simd};
+use crate::bounds::{Keys, LANES, LowerBounds, lanes_of, with_simd};
 use crate::pose::Posed;
 use crate::tree::{Child, ChildKind, Leaf};
 
 /// A node, or a pair of nodes, and its lower bound.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry<N> {
-    pub(super) bound: f64,
+    pub(super) bound: f32,
     pub(super) node: N,
 }
 
@@ -37,60 +37,92 @@ impl<N> PartialEq for Entry<N> {
 impl<N> Eq for Entry<N> {}
 
 /// The nodes still to visit, lowest bound first. Later walks reuse the memory.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Queue {
-    /// At most [`Queue::FEW`] nodes, in descending order of their bounds. Rays rarely need more.
-    few: Vec<Entry<Child>>,
+    /// The lowest nodes, or all of them, in descending order of their bounds. Rays rarely need more.
+    few: [Entry<Child>; FEW],
+    /// The number of entries of `few` that are in use.
+    count: usize,
     rest: BinaryHeap<Entry<Child>>,
 }
 
-impl Queue {
-    const FEW: usize = 16;
+const FEW: usize = 16;
 
+impl Default for Queue {
+    fn default() -> Self {
+        let (bound, node) = (0.0, Child::default());
+        Self {
+            few: [Entry { bound, node }; FEW],
+            count: 0,
+            rest: BinaryHeap::new(),
+        }
+    }
+}
+
+impl Queue {
     fn clear(&mut self) {
-        self.few.clear();
+        self.count = 0;
         self.rest.clear();
     }
 
     #[inline(always)]
     fn push(&mut self, new: Entry<Child>) {
-        let mut at = self.few.len();
-        if at == Self::FEW {
-            self.rest.push(new);
-            return;
+        if self.count == FEW {
+            return self.push_full(new);
         }
-        self.few.push(new);
-        while at > 0 && self.few[at - 1].bound < new.bound {
-            self.few[at] = self.few[at - 1];
+        let mut at = self.count;
+        self.count += 1;
+        while at > 0 && self.few[(at - 1) % FEW].bound < new.bound {
+            self.few[at % FEW] = self.few[(at - 1) % FEW];
             at -= 1;
         }
-        self.few[at] = new;
+        self.few[at % FEW] = new;
+    }
+
+    /// Moves the greatest node to the rest.
+    #[inline(never)]
+    fn push_full(&mut self, new: Entry<Child>) {
+        if new.bound >= self.few[0].bound {
+            return self.rest.push(new);
+        }
+        self.rest.push(self.few[0]);
+        let mut at = 1;
+        while at < FEW && self.few[at].bound > new.bound {
+            self.few[at - 1] = self.few[at];
+            at += 1;
+        }
+        self.few[at - 1] = new;
     }
 
     #[inline(always)]
     fn pop(&mut self) -> Option<Entry<Child>> {
-        match (self.rest.peek(), self.few.last()) {
-            (Some(rest), few) if few.is_none_or(|few| rest.bound < few.bound) => self.rest.pop(),
-            _ => self.few.pop(),
+        if self.count == 0 {
+            return self.rest.pop();
         }
+        let last = self.few[(self.count - 1) % FEW];
+        if self.rest.peek().is_some_and(|rest| rest.bound < last.bound) {
+            return self.rest.pop();
+        }
+        self.count -= 1;
+        Some(last)
     }
 }
 
-/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until a bound exceeds the limit
-/// or `at_leaf` breaks.
+/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their keys, until a key exceeds the limit or
+/// `at_leaf` breaks.
 ///
-/// `at_leaf` returns the new limit. A break is passed on to the caller. Nodes that cannot contain an answer are not opened, so
-/// nothing below them is blended. Adds the number of boxes tested to `node_tests`.
+/// `at_leaf` takes the limit, a key, and returns the new one. A break is passed on to the caller. Nodes that cannot contain an answer are not
+/// opened, so nothing below them is blended. Adds the number of boxes tested to `node_tests`.
 #[inline]
 pub(crate) fn walk_one<'p>(
     tree: &mut Posed<'p>,
     queue: &mut Queue,
-    mut limit: f64,
+    mut limit: f32,
     bounds: &impl LowerBounds,
     node_tests: &mut u64,
-    mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
+    mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf, f32) -> ControlFlow<(), f32>,
 ) -> ControlFlow<()> {
-    let mut lowest = [0.0; LANES];
+    let mut keys = Keys::default();
     queue.clear();
     let mut group = 0;
     loop {
@@ -98,10 +130,10 @@ pub(crate) fn walk_one<'p>(
         let children = tree.topology.group(group);
         *node_tests += children.children().len() as u64;
         let within = with_simd!(tree.level, simd => {
-            bounds.lower_bounds(simd, tree.boxes(slot), children.mask(), limit, &mut lowest)
+            bounds.lower_bounds(simd, tree.boxes(slot), children.mask(), limit, &mut keys)
         });
         for lane in lanes_of(within) {
-            let (bound, node) = (lowest[lane % LANES], children.child(lane));
+            let (bound, node) = (keys[lane % LANES], children.child(lane));
             queue.push(Entry { bound, node });
         }
         group = loop {
@@ -112,7 +144,7 @@ pub(crate) fn walk_one<'p>(
                 return ControlFlow::Continue(());
             }
             match node.kind() {
-                ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,
+                ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf, limit)?,
                 ChildKind::Group(group) => break group,
             }
         };

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::probe::{blob, cubes, leaves, row, triangle};
 use super::{NearestStack, Queue, SelfStack, walk_nearest, walk_one, walk_within};
-use crate::bounds::{Aabb, Box64, ByBox};
+use crate::bounds::{Aabb, Box64, ByBox, LowerBounds};
 use crate::pose::Pose;
 
 /// The visited pairs of a body's leaves, without those that share a vertex, and the number of boxes tested.
@@ -80,10 +80,17 @@ fn one_by_one(pose: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> OneByO
     let is_ahead = |bounds: &Box64| bounds.center.x + bounds.half.x >= 0.0;
     let bounds = ByBox(|bounds: &Box64| is_ahead(bounds).then_some(bounds.center.x - bounds.half.x));
     let (tree, queue) = (&mut pose.posed(), &mut Queue::default());
-    let flow = walk_one(tree, queue, limit, &bounds, &mut node_tests, |tree, leaf| {
-        visited.push(triangle(tree, leaf));
-        next
-    });
+    let flow = walk_one(
+        tree,
+        queue,
+        bounds.key(limit),
+        &bounds,
+        &mut node_tests,
+        |tree, leaf, _| {
+            visited.push(triangle(tree, leaf));
+            next.map_continue(|limit| bounds.key(limit))
+        },
+    );
     OneByOne {
         visited,
         node_tests,

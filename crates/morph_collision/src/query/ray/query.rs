@@ -3,11 +3,12 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
+use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::projection::RayProjection;
-use crate::bounds::{LANES, LocalRay, RayCull, lanes_of, with_simd};
-use crate::exact::{Crossing, Triangle, closest_on_triangle, ray_meets_triangle};
+use crate::bounds::{BoxLanes, Keys, LANES, LocalRay, LowerBounds, PlacedBounds, RayCull};
+use crate::exact::{Crossing, Line, Triangle, closest_on_triangle, ray_meets_triangle};
 use crate::input_error::InputError;
 use crate::query::anchor::SurfaceAnchor;
 use crate::query::batch::OneBodyBatch;
@@ -199,33 +200,53 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let (cull, projection) = {
+        let bounds = {
             let tree = &mut body.posed();
             let (corner_error, placed) = (tree.corner_error(), &tree.placed_body().placed);
-            let local = LocalRay::new(line.origin, line.direction, placed);
-            let local = local.as_ref();
-            (RayCull::new(local, placed), RayProjection::new(local, corner_error))
+            RayBounds::new(line, placed, corner_error)
         };
         // The part of the ray on which hits still matter.
         let mut near = *line;
-        self.one.walk_leaves(body, line.max_t, &cull, |tree, leaf| {
-            let triangles = tree.topology.leaf_triangles(leaf).len();
-            for first in (0..triangles).step_by(LANES) {
-                let mut corners = CornerLanes::default();
-                let candidates = with_simd!(tree.level, simd => {
-                    tree.box_corners(simd, leaf, first / LANES, &mut corners);
-                    projection.candidates(simd, &corners)
-                });
-                for lane in lanes_of(candidates).take_while(|lane| first + lane < triangles) {
-                    let triangle = tree.patch_triangle(leaf, first + lane, &corners);
-                    if let Some(crossing) = ray_meets_triangle(&near, &triangle) {
-                        let number = tree.topology.leaf_triangles(leaf)[first + lane];
-                        near.max_t = at_hit(number, &crossing, &triangle)?.min(line.max_t);
-                    }
-                }
+        self.one.walk(body, line.max_t, &bounds, &mut |number, triangle| {
+            if let Some(crossing) = ray_meets_triangle(&near, triangle) {
+                near.max_t = at_hit(number, &crossing, triangle)?.min(line.max_t);
             }
             ControlFlow::Continue(near.max_t)
         })
+    }
+}
+
+/// What boxes and triangles are tested with before exact tests.
+struct RayBounds {
+    cull: RayCull,
+    projection: RayProjection,
+}
+
+impl RayBounds {
+    fn new(line: &Line, body: &PlacedBounds, corner_error: f32) -> Self {
+        let local = LocalRay::new(line.origin, line.direction, body);
+        let local = local.as_ref();
+        Self {
+            cull: RayCull::new(local, body),
+            projection: RayProjection::new(local, corner_error),
+        }
+    }
+}
+
+impl LowerBounds for RayBounds {
+    fn key(&self, limit: f64) -> f32 {
+        self.cull.key(limit)
+    }
+
+    #[inline(always)]
+    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, lanes: u8, limit: f32, keys: &mut Keys) -> u8 {
+        self.cull.lower_bounds(simd, boxes, lanes, limit, keys)
+    }
+
+    #[inline(always)]
+    fn triangles<S: Simd>(&self, simd: S, corners: &CornerLanes, _limit: f32, keys: &mut Keys) -> u8 {
+        *keys = [f32::NEG_INFINITY; LANES];
+        self.projection.candidates(simd, corners)
     }
 }
 

@@ -3,8 +3,16 @@
 use glam::DVec3;
 
 use super::placed::{PlacedShape, Solid};
-use crate::bounds::{Box64, PlacedBounds};
-use crate::exact::closest_on_segment;
+use crate::bounds::{Box64, DistanceCull, PlacedBounds};
+use crate::exact::{Segment, closest_on_segment};
+use crate::query::Body;
+
+/// Lower bounds of distances from a point, a ball or a capsule.
+pub(super) fn distance_cull(body: &mut Body<'_>, axis: Segment, radius: f64) -> DistanceCull {
+    let tree = &mut body.posed();
+    let corner_error = tree.corner_error();
+    DistanceCull::new(axis, radius, &tree.placed_body().placed, corner_error)
+}
 
 /// Lower bounds for the signed distances of everything in a model-space box.
 ///

@@ -73,7 +73,7 @@ impl ShapeQuery {
             body,
             limit,
             &ByBox(|node: &Box64| sweep.earliest(node)),
-            |number, triangle| {
+            &mut |number, triangle| {
                 let impact = first_impact(shape, direction, limit, |shape| shape.closest(triangle));
                 let hit = impact.map(|impact| ShapeCastHit {
                     triangle: number,

@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::ShapeQuery;
-use crate::bounds::{Box64, ByBox, GapFrame, PlacedBounds, WorldFromModel};
-use crate::exact::{Triangle, TrianglePoint, closest_on_triangle_exactly, largest};
+use super::bound::distance_cull;
+use crate::exact::{Triangle, TrianglePoint, closest_on_triangle_exactly};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
 use crate::query::anchor::SurfaceAnchor;
 use crate::query::batch::Latest;
-use crate::query::rank::{MARGIN, Rank};
+use crate::query::rank::Rank;
 
 /// The point on a body's surface that is closest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,35 +70,21 @@ impl ShapeQuery {
         max_distance: f64,
         latest: &mut Latest,
     ) -> Option<ClosestPoint> {
-        let target = Box64::point(point);
-        let world = PlacedBounds::new(&WorldFromModel::IDENTITY, point.abs());
-        let frames = GapFrame::list(&body.posed().placed_body().placed, &world);
-        let targets: Vec<_> = frames.iter().map(|frame| (frame, frame.image_of_b(&target))).collect();
-        let squared_distance = |bounds: &Box64| {
-            let squared = |(frame, target): &(&GapFrame, Box64)| frame.squared(&frame.image_of_a(bounds), target);
-            Some(largest(targets.iter().map(squared)))
-        };
+        let bounds = distance_cull(&mut body, [point; 2], 0.0);
         let mut closest: Option<(Rank<u32>, TrianglePoint)> = None;
-        let farthest = max_distance * max_distance * MARGIN;
         let mut at_triangle = |number, triangle: &Triangle| {
             let foot = closest_on_triangle_exactly(point, triangle);
             let rank = Rank::new(foot.squared.sqrt(), number);
             if rank.distance <= max_distance && closest.as_ref().is_none_or(|(best, _)| rank < *best) {
                 closest = Some((rank, foot));
             }
-            let of_closest = |(_, foot): &(_, TrianglePoint)| farthest.min(foot.squared * MARGIN);
-            closest.as_ref().map_or(farthest, of_closest)
+            closest.as_ref().map_or(max_distance, |(best, _)| best.distance)
         };
         let latest_triangle = latest.and_then(|number| Some((number, body.triangle(number)?)));
-        let mut limit = latest_triangle.map_or(farthest, |(number, triangle)| at_triangle(number, &triangle));
-        let _never_stopped = self
-            .one
-            .walk(body, limit, &ByBox(squared_distance), |number, triangle| {
-                if !is_beyond(limit, point, triangle) {
-                    limit = at_triangle(number, triangle);
-                }
-                ControlFlow::Continue(limit)
-            });
+        let limit = latest_triangle.map_or(max_distance, |(number, triangle)| at_triangle(number, &triangle));
+        let _never_stopped = self.one.walk(body, limit, &bounds, &mut |number, triangle| {
+            ControlFlow::Continue(at_triangle(number, triangle))
+        });
         let (rank, foot) = closest?;
         *latest = Some(rank.id);
         Some(ClosestPoint {
@@ -108,18 +94,6 @@ impl ShapeQuery {
             distance: rank.distance,
         })
     }
-}
-
-/// Whether the squared distance of a triangle, as [`closest_on_triangle_exactly`] computes it, is certainly above a limit: that of the
-/// triangle's bounding box is.
-///
-/// The error of a computed distance is a few roundings of the reach `r`, the largest distance to a corner. If the box is more than
-/// `l + e r` away, the square of that is at most `(1 + k) l^2 + (1 + 1 / k) (e r)^2`, here with `k = 1e-3` and `e = 3e-14`.
-fn is_beyond(limit: f64, point: DVec3, [a, b, c]: &Triangle) -> bool {
-    let (below, above) = (a.min(*b).min(*c) - point, point - a.max(*b).max(*c));
-    let gap = below.max(above).max(DVec3::ZERO);
-    let reach = below.min(above);
-    gap.length_squared() > 1.001 * limit + 1e-24 * reach.length_squared()
 }
 
 impl From<&ClosestPoint> for SurfaceAnchor {

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::bound::NodeBound;
-use super::placed::PlacedShape;
+use super::bound::{NodeBound, distance_cull};
+use super::placed::{PlacedShape, Solid};
 use crate::bounds::{Box64, ByBox};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_number};
@@ -182,11 +182,16 @@ impl ShapeQuery {
         mut body: Body<'_>,
         shape: &PlacedShape,
         limit: f64,
-        at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
+        mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) {
-        let bound = NodeBound::new(shape, body.posed().placed_body().placed);
-        let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
-        let _stopped_early = self.one.walk(body, limit, &bounds, at_triangle);
+        let _stopped_early = if let Solid::Round { axis, radius } = shape.solid {
+            let bounds = distance_cull(&mut body, axis, radius);
+            self.one.walk(body, limit, &bounds, &mut at_triangle)
+        } else {
+            let bound = NodeBound::new(shape, body.posed().placed_body().placed);
+            let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
+            self.one.walk(body, limit, &bounds, &mut at_triangle)
+        };
     }
 }
 

@@ -53,7 +53,7 @@ impl ShapeQuery {
         let planes: Vec<_> = region.planes.iter().map(to_model).collect();
         let reached = |bounds: &Box64| planes.iter().all(|plane| plane.reaches(bounds)).then_some(0.0);
         let mut listed = Capped::new(triangles, limit);
-        let _stopped_early = self.one.walk(body, 0.0, &ByBox(reached), |number, triangle| {
+        let _stopped_early = self.one.walk(body, 0.0, &ByBox(reached), &mut |number, triangle| {
             if triangle_meets_region(triangle, &region.planes) {
                 listed.push(number)?;
             }

@@ -317,8 +317,8 @@ impl OverlapWalk {
     #[inline(always)]
     fn push(&mut self, pair: NodePair, lane: usize, order: Order<'_>) {
         if let Order::EarliestFirst(latest) = order {
-            let bound = f64::from(self.enter[lane % LANES]);
-            if bound <= latest.get() {
+            let bound = self.enter[lane % LANES];
+            if f64::from(bound) <= latest.get() {
                 if self.queue.len() < MOST_WAITING {
                     self.queue.push(Entry { bound, node: pair });
                 } else {
@@ -341,9 +341,9 @@ impl OverlapWalk {
         }
         if let Order::EarliestFirst(latest) = order {
             let next = self.queue.pop()?;
-            self.bound = next.bound;
+            self.bound = f64::from(next.bound);
             // All others are as late.
-            return (next.bound <= latest.get()).then_some(next.node);
+            return (self.bound <= latest.get()).then_some(next.node);
         }
         None
     }

@@ -12,14 +12,15 @@ use crate::model::{MorphModel, Weights};
 use crate::tree::{ChildKind, SkinTables, Source};
 
 /// Where the boxes come from that are not cached yet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum BoxSource {
     /// They are blended; with joints, fitted chunk by chunk.
     Blended,
     /// Blended boxes would be loose. As soon as a query looks below the root's children, all vertices are posed.
     Loose,
-    /// The same, and all vertices are posed. Boxes below those of the root's children are fitted to them.
-    FittedBelow,
+    /// The same, and all vertices are posed. Boxes below those of the root's children are fitted to them. Like blended boxes, they also
+    /// hold the vertices of exact arithmetic: they are larger by this on all sides.
+    FittedBelow(f32),
     /// [`Pose::refit`](super::Pose::refit) or [`Pose::refit_lazily`](super::Pose::refit_lazily): all vertices are posed, and boxes are fitted to
     /// them.
     Refitted,
@@ -68,9 +69,9 @@ impl Posed<'_> {
         let is_below = group >= FIRST_BELOW;
         match *self.source {
             BoxSource::Refitted => {}
-            BoxSource::FittedBelow if is_below => {}
+            BoxSource::FittedBelow(_) if is_below => {}
             BoxSource::Loose if is_below => {
-                *self.source = BoxSource::FittedBelow;
+                *self.source = BoxSource::FittedBelow(self.model.blend_error(self.weights));
                 self.fit_upper(FIRST_BELOW);
                 if let Some(slot) = self.boxes.find(group) {
                     return Some(slot);
@@ -119,7 +120,10 @@ impl Posed<'_> {
     #[inline(always)]
     fn fit_children<S: Simd>(&mut self, simd: S, group: usize) -> usize {
         let topology = self.topology;
-        let (vertices, widening) = all_points(self.skin.as_ref(), self.vertices);
+        let (vertices, mut widening) = all_points(self.skin.as_ref(), self.vertices);
+        if let BoxSource::FittedBelow(by) = *self.source {
+            widening = by;
+        }
         let children = topology.group(group).children();
         self.blended.volumes += children.len() as u64;
         if widening == f32::INFINITY {

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::blended_vertices::BlendedVertices;
+use super::box_source::BoxSource;
 use super::cache::EpochCache;
 use super::fitted_boxes::FittedBoxes;
 use super::placed_body::PlacedBody;
 use super::posed::{Blended, Posed};
-use super::refit::BoxSource;
 use super::skin_tree::SkinTree;
 use super::skinning::Skinning;
 use super::weights::WeightsError;

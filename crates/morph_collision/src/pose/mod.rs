@@ -8,6 +8,7 @@
 
 mod blend;
 mod blended_vertices;
+mod box_source;
 mod box_tree;
 mod cache;
 mod displacement;

@@ -5,10 +5,10 @@ use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::blend::{blend_group, blend_patch};
 use super::blended_vertices::BlendedVertices;
+use super::box_source::BoxSource;
 use super::cache::EpochCache;
 use super::fitted_boxes::FittedBoxes;
 use super::placed_body::PlacedBody;
-use super::refit::BoxSource;
 use super::skinning::Skinning;
 use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::Triangle;

@@ -4,41 +4,15 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use super::blended_vertices::BlendedVertices;
+use super::box_source::BoxSource;
 use super::fitted_boxes::{around, unbounded};
 use super::posed::Posed;
 use super::skinning::Skinning;
 use crate::bounds::{Corners, LANES, with_simd};
-use crate::model::{MorphModel, Weights};
 use crate::tree::{ChildKind, SkinTables, Source};
-
-/// Where the boxes come from that are not cached yet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum BoxSource {
-    /// They are blended; with joints, fitted chunk by chunk.
-    Blended,
-    /// Blended boxes would be loose. As soon as a query looks below the root's children, all vertices are posed.
-    Loose,
-    /// The same, and all vertices are posed. Boxes below those of the root's children are fitted to them. Like blended boxes, they also
-    /// hold the vertices of exact arithmetic: they are larger by this on all sides.
-    FittedBelow(f32),
-    /// [`Pose::refit`](super::Pose::refit) or [`Pose::refit_lazily`](super::Pose::refit_lazily): all vertices are posed, and boxes are fitted to
-    /// them.
-    Refitted,
-}
-
-/// Boxes are blended up to this looseness. Chosen from counts of instructions with 32 to 256 dense or sparse targets (docs/tried.md).
-const LOOSE: f32 = 12.0;
 
 /// The first group below the root's children. Those bound the body: they do not depend on earlier queries.
 const FIRST_BELOW: usize = 2;
-
-impl BoxSource {
-    /// The source for these weights. Blended boxes are for any weights, so they are the looser, the more weights move a vertex.
-    pub(super) fn of_weights(model: &MorphModel, weights: &Weights) -> Self {
-        let is_loose = model.skin().is_none() && model.looseness(weights) > LOOSE;
-        if is_loose { Self::Loose } else { Self::Blended }
-    }
-}
 
 impl Posed<'_> {
     /// Replaces all cached boxes with tight ones, in one pass over the tree. Vertices that are posed already are not posed again. Cost: `O(n)`.

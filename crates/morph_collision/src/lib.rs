@@ -89,3 +89,5 @@ pub use query::{
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};
+#[cfg(feature = "tree-file")]
+pub use tree::{SavedTree, TreeFile, TreeFileError};

@@ -9,7 +9,7 @@ use std::task::Poll;
 
 use super::budget::{Budget, resume};
 use super::build::build_within;
-use super::{BuildOptions, MorphBvh};
+use super::{BuildOptions, LayoutError, MorphBvh, TreeLayout};
 use crate::model::MorphModel;
 
 /// The work of one step, in the unit of [`Budget`].
@@ -51,6 +51,27 @@ impl MorphBvhBuilder {
             budget,
             build: Box::pin(async move { build_within(model, &options, &of_build).await }),
         }
+    }
+
+    /// Creates a builder that restores a tree over the mesh for which it was built, in steps. The layout is checked at once, apart from its
+    /// certificates: if they are corrupt, the tree has none.
+    ///
+    /// # Errors
+    /// As for [`MorphBvh::from_layout`].
+    pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
+        layout.check(&model)?;
+        let budget = Arc::new(Budget::unlimited());
+        let (of_build, layout) = (budget.clone(), layout.clone());
+        let build = async move {
+            let bvh = layout.rebuild(model, &of_build).await;
+            // Without certificates, answers are the same.
+            let _ = layout.certify(&bvh);
+            bvh
+        };
+        Ok(Self {
+            budget,
+            build: Box::pin(build),
+        })
     }
 
     /// Does the next step. Returns the builder, or the tree after the last step.

@@ -47,7 +47,19 @@ pub struct TreeLayout {
 }
 
 impl TreeLayout {
-    fn check(&self, model: &MorphModel) -> Result<(), LayoutError> {
+    /// [`MorphModel::fingerprint`] of the mesh for which it was written.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// How the tree was built.
+    #[must_use]
+    pub fn options(&self) -> &BuildOptions {
+        &self.options
+    }
+
+    pub(super) fn check(&self, model: &MorphModel) -> Result<(), LayoutError> {
         if self.version != VERSION {
             return Err(LayoutError::Version { found: self.version });
         }
@@ -68,6 +80,22 @@ impl TreeLayout {
             return Err(LayoutError::Triangle { entry, triangle });
         }
         self.check_nodes()
+    }
+
+    /// The tree over a mesh that was checked, without certificates.
+    pub(super) async fn rebuild(&self, model: Arc<MorphModel>, budget: &Budget) -> MorphBvh {
+        let (triangles, splits) = (self.triangles.clone(), Recorded(&self.nodes));
+        build_over(model, &self.options, triangles, splits, budget).await
+    }
+
+    /// Gives a new tree the certificates, if there are any.
+    pub(super) fn certify(&self, bvh: &MorphBvh) -> Result<(), LayoutError> {
+        if let Some(certificates) = &self.certificates {
+            let restored = certificates.restore(bvh)?;
+            // A new tree has none.
+            let _ = bvh.certificates.set(restored);
+        }
+        Ok(())
     }
 
     /// Walks the nodes and checks each against its number of triangles and its depth.
@@ -148,14 +176,8 @@ impl MorphBvh {
     /// [`LayoutError`] if the layout has another version, belongs to another mesh, or is corrupt.
     pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
         layout.check(&model)?;
-        let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
-        let budget = Budget::unlimited();
-        let bvh = run_to_end(build_over(model, &layout.options, triangles, splits, &budget));
-        if let Some(certificates) = &layout.certificates {
-            let restored = certificates.restore(&bvh)?;
-            // A new tree has none.
-            let _ = bvh.certificates.set(restored);
-        }
+        let bvh = run_to_end(layout.rebuild(model, &Budget::unlimited()));
+        layout.certify(&bvh)?;
         Ok(bvh)
     }
 }

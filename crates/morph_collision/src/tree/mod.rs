@@ -1,6 +1,7 @@
 //! The immutable tree: which triangles each node holds, and the numbers that a pose blends into the node's box.
 //!
 //! - `build` runs all stages; `builder` runs them in steps, and `budget` decides where a step ends.
+//! - `layout` and `certificate_layout` are what is stored of a tree, and `tree_file` stores the layouts of a model's meshes in one file.
 //! - `sah` splits a node's triangles by the surface-area heuristic.
 //! - `topology` records the nodes in preorder.
 //! - `extents` measures the base and each target over every node.
@@ -38,6 +39,8 @@ mod self_front;
 mod skin_tables;
 mod tables;
 mod topology;
+#[cfg(feature = "tree-file")]
+mod tree_file;
 
 pub(crate) use adjacency::{PatchPair, unrelated};
 pub use builder::MorphBvhBuilder;
@@ -57,6 +60,8 @@ pub(crate) use self_front::{Apart, SelfFront};
 pub(crate) use skin_tables::SkinTables;
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, NodeId, Topology};
+#[cfg(feature = "tree-file")]
+pub use tree_file::{SavedTree, TreeFile, TreeFileError};
 
 #[cfg(test)]
 mod builder_tests;

@@ -7,6 +7,7 @@
 //! - `query` asks about one mesh in one shape.
 //! - `sweep` plays clips and reports what touches.
 //! - `lint` finds the weights with which a mesh runs into itself.
+//! - `bake` writes the trees of a model's meshes to a file that a game loads.
 //! - `export` writes posed meshes with the triangles that touch in red.
 //! - `scene` makes a scene file from models.
 //! - `run` replays a scene and reports which triangles intersect, where bodies touch, or how far apart they are.
@@ -21,11 +22,12 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! shared > export, lint, sweep > guides, inspect, motion, query, run, scene > touching > cast > options, output > files
+//! shared > bake, export, lint, sweep > guides, inspect, motion, query, run, scene > touching > cast > options, output > files
 //! > messages > error, help, picture
 //! ```
 #![forbid(unsafe_code)]
 
+mod bake;
 mod cast;
 mod error;
 mod export;
@@ -88,6 +90,7 @@ enum Command {
     Sweep(sweep::SweepArgs),
     Lint(lint::LintArgs),
     Export(export::ExportArgs),
+    Bake(bake::BakeArgs),
     Scene(scene::SceneArgs),
     Run(run::RunArgs),
     Motion(motion::MotionArgs),
@@ -120,6 +123,7 @@ fn run_command(command: &Command) -> Result<Verdict, CliError> {
         Command::Query(args) => query::query(args).map(clean),
         Command::Sweep(args) => sweep::sweep(args),
         Command::Lint(args) => lint::lint(args),
+        Command::Bake(args) => bake::bake(args).map(clean),
         Command::Export(args) => export::export(args).map(clean),
         Command::Scene(args) => scene::scene(args).map(clean),
         Command::Run(args) => run::run(args).map(clean),

@@ -2,12 +2,13 @@
 
 use crate::support::{TestResult, error_of, run_program, stdout_of};
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 11] = [
     "inspect",
     "query",
     "sweep",
     "lint",
     "export",
+    "bake",
     "scene",
     "run",
     "motion",

@@ -10,6 +10,8 @@ use serde::{Deserialize, Deserializer};
 #[derive(Debug, Default)]
 pub(super) struct Attributes {
     pub(super) positions: Option<usize>,
+    /// Whether it has normals.
+    pub(super) has_normals: bool,
     /// `JOINTS_n` and `WEIGHTS_n`, by `n`.
     pub(super) influences: Influences,
 }
@@ -40,6 +42,7 @@ impl<'de> Deserialize<'de> for Attributes {
                     } else if let Some((set, part)) = influence(&name) {
                         attributes.influences.entry(set).or_default()[part] = map.next_value()?;
                     } else {
+                        attributes.has_normals |= name == "NORMAL";
                         map.next_value::<IgnoredAny>()?;
                     }
                 }

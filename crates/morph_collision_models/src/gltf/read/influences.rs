@@ -2,7 +2,7 @@
 
 use super::GltfFile;
 use super::accessor::{FRACTIONS, JOINTS, Opened};
-use super::document::{Mesh, Primitive};
+use super::document::Primitive;
 use super::error::{MeshProblem, SkinProblem};
 use super::primitive::Plan;
 use crate::mesh::InfluenceSet;
@@ -21,12 +21,12 @@ fn names(set: usize) -> [String; 2] {
     [format!("JOINTS_{set}"), format!("WEIGHTS_{set}")]
 }
 
-/// Reads the sets of influences, in the order of the mesh's vertices. Primitives with fewer sets than others get zeros.
-pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Vec<InfluenceSet>, SkinProblem> {
-    let plan = Plan::of(file, mesh).map_err(SkinProblem::Mesh)?;
+/// Reads the sets of influences, in the order of the vertices of some primitives. Primitives with fewer sets than others get zeros.
+pub(super) fn read<'a>(file: &'a GltfFile, primitives: &'a [Primitive]) -> Result<Vec<InfluenceSet>, SkinProblem> {
+    let plan = Plan::of(file, primitives).map_err(SkinProblem::Mesh)?;
     let mut stored = Vec::new();
     for (primitive, first_vertex, vertices) in plan.vertex_ranges() {
-        let json = &mesh.primitives[primitive];
+        let json = &primitives[primitive];
         let last = json.attributes.influences.keys().next_back().copied().unwrap_or(0);
         for set in 0..=last {
             let (joints, weights) = open(file, json, primitive, set, vertices)?;

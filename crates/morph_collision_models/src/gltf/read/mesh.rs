@@ -73,7 +73,7 @@ impl GltfFile {
         };
         let json = self.root.meshes.get(index, &self.budget);
         let json = json.map_err(|problem| fail(MeshProblem::Element(problem)))?;
-        let (mut mesh, drawn, skipped) = primitive::read(self, json).map_err(fail)?;
+        let (mut mesh, drawn, skipped) = primitive::read(self, &json.primitives).map_err(fail)?;
         mesh.target_names = target_names::read(self, json, mesh.targets.len());
         mesh.name = name;
         Ok(FoundMesh {

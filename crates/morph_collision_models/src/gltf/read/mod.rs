@@ -6,7 +6,8 @@
 //!    `attributes`, `list`, `integers`).
 //! 2. Load a buffer when it is first used (`buffers`, `uri`), decode compressed views and primitives (`view`, `compressed`, `meshopt`,
 //!    `draco`), and open and decode accessors (`accessor`).
-//! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`, `target_names`), without its bad parts if asked (`skipped`).
+//! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`, `target_names`), without its bad parts if asked (`skipped`); or take
+//!    one of them alone (`part`).
 //! 4. Find what a scene draws: nodes with their mesh and their skin, once for each instance (`scenes`, `nodes`, `instances`).
 //! 5. Read the skin with which a node shows a mesh (`skin`, `influences`), and the clips that move it (`channels`, `animation_list`,
 //!    `weight_animation`, `joint_animation`).
@@ -49,6 +50,7 @@ mod list;
 mod mesh;
 mod meshopt;
 mod nodes;
+mod part;
 mod primitive;
 mod roots;
 mod scenes;
@@ -74,6 +76,7 @@ pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;
 pub use self::lfs::{LFS_POINTER, is_lfs_pointer};
 pub use self::mesh::FoundMesh;
+pub use self::part::Part;
 pub use self::roots::Trees;
 pub use self::scenes::{Drawing, DrawnMesh, Extent};
 pub use self::skipped::Skipped;

@@ -127,7 +127,7 @@ impl GltfFile {
         Ok(hierarchy)
     }
 
-    fn node_json(&self, node: usize) -> Option<&Node> {
+    pub(super) fn node_json(&self, node: usize) -> Option<&Node> {
         self.root.nodes.get(node, &self.budget).ok()
     }
 }

@@ -9,7 +9,7 @@ use gltf::mesh::Mode;
 
 use super::accessor::{INDICES, Opened, POINTS};
 use super::attributes::Influences;
-use super::document::{self, Mesh};
+use super::document::Primitive;
 use super::draco::DracoMesh;
 use super::error::{AccessorProblem, MeshProblem};
 use super::skipped::Skipped;
@@ -28,8 +28,11 @@ pub(super) struct Primitives {
 /// Reads positions, targets and triangles. The caller sets the names.
 ///
 /// Targets without stored data are left empty. The last value is what was left out.
-pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh, Primitives, Skipped), MeshProblem> {
-    let plan = Plan::of(file, mesh)?;
+pub(super) fn read<'a>(
+    file: &'a GltfFile,
+    primitives: &'a [Primitive],
+) -> Result<(MorphMesh, Primitives, Skipped), MeshProblem> {
+    let plan = Plan::of(file, primitives)?;
     plan.count_memory(file)?;
     let mut skipped = plan.skipped;
     Ok((plan.decode(&mut skipped)?, plan.drawn, skipped))
@@ -82,19 +85,19 @@ enum Corners<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// Checks the positions, targets and indices of all primitives.
-    pub(super) fn of(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Self, MeshProblem> {
+    /// Checks the positions, targets and indices of some primitives.
+    pub(super) fn of(file: &'a GltfFile, primitives: &'a [Primitive]) -> Result<Self, MeshProblem> {
         let mut plan = Plan {
             skip_bad: file.skip_bad,
             ..Plan::default()
         };
-        let counts = mesh.primitives.iter().map(|primitive| primitive.targets.len());
+        let counts = primitives.iter().map(|primitive| primitive.targets.len());
         plan.targets = if plan.skip_bad {
             counts.max().unwrap_or(0)
         } else {
-            mesh.primitives.first().map_or(0, |first| first.targets.len())
+            primitives.first().map_or(0, |first| first.targets.len())
         };
-        for (index, json) in mesh.primitives.iter().enumerate() {
+        for (index, json) in primitives.iter().enumerate() {
             plan.add(file, index, json)?;
         }
         Ok(plan)
@@ -112,7 +115,7 @@ impl<'a> Plan<'a> {
         sources.map(|source| (source.primitive, source.first_vertex as usize, source.positions.count()))
     }
 
-    fn add(&mut self, file: &'a GltfFile, primitive: usize, json: &'a document::Primitive) -> Result<(), MeshProblem> {
+    fn add(&mut self, file: &'a GltfFile, primitive: usize, json: &'a Primitive) -> Result<(), MeshProblem> {
         let positions = json.attributes.positions;
         let positions = positions.ok_or(MeshProblem::MissingPositions { primitive })?;
         let targets: Vec<Option<usize>> = json.targets.iter().map(|target| target.positions).collect();

@@ -47,7 +47,7 @@ impl GltfFile {
         let Some(skin) = self.skin_of(mesh, json, node) else {
             return Ok(None);
         };
-        let sets = influences::read(self, json).map_err(fail)?;
+        let sets = influences::read(self, &json.primitives).map_err(fail)?;
         let mut hierarchy = self.hierarchy(skin).map_err(fail)?;
         self.add_clips(&mut hierarchy);
         let skeleton = hierarchy.skeleton;

@@ -41,6 +41,7 @@ mod skins;
 mod spatial;
 mod support;
 mod tolerance;
+mod tree_files;
 mod trees;
 mod velocities;
 mod weights;

@@ -118,6 +118,9 @@
 //! [`MorphColliderReady`](setup::MorphColliderReady), [`MorphColliderFailed`](setup::MorphColliderFailed) and [`MorphColliderSceneReady`](setup::MorphColliderSceneReady) are triggered on colliders and scenes.
 //! [`MorphTrees::progress`](crate::import::MorphTrees::progress) is for loading screens.
 //!
+//! With [`MorphTreeFilesPlugin`](crate::import::MorphTreeFilesPlugin), trees come from files that `morph-collide bake` wrote, and colliders are
+//! ready as soon as their meshes are loaded.
+//!
 //! ## Save time
 //!
 //! Unchanged colliders cost almost nothing: weights, joints and transforms are compared by value, and a pair keeps its answer if
@@ -223,7 +226,7 @@ pub mod prelude {
     pub use crate::events::{
         MorphBodyCollisionEnd, MorphBodyCollisionStart, MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart,
     };
-    pub use crate::import::MorphTrees;
+    pub use crate::import::{MorphTreeFilesPlugin, MorphTreeFrom, MorphTrees};
     pub use crate::plugins::{MorphCollisionPlugin, MorphPlugins};
     pub use crate::self_collisions::{
         MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,

@@ -1,6 +1,7 @@
 //! The program `morph-collide`: try collision detection on morphing and skinned glTF models without writing a program.
 //!
-//! It is a library so that the same code runs where there is no command line: [`lint::Lint`] checks a model in memory, for a web page. **Its API may
+//! It is a library so that the same code runs where there is no command line: [`lint::Lint`] checks a model in memory, for a web page, and
+//! [`bake::Trees`] bakes one, for tests. **Its API may
 //! change in any release.** The commands:
 //!
 //! - `inspect` shows what models are made of and what tree each mesh gets.
@@ -27,7 +28,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod bake;
+pub mod bake;
 mod cast;
 mod error;
 mod export;

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
-use morph_collision::{BuildOptions, MorphBvh};
+use morph_collision::{BuildOptions, MorphBvh, MorphBvhBuilder};
 use tracing::error;
 
 use super::complaints::Complaints;
 use super::error::ImportError;
 use super::left_out::MorphLeftOut;
 use super::mesh_data::{Imported, MeshData};
+use super::saved::{Layouts, Restoring};
 use super::tree_key::TreeKey;
 use super::turns::Turns;
 use crate::components::MorphTreeOptions;
@@ -44,6 +45,8 @@ pub(super) struct MeshTree {
     /// What the tree lacks because it is bad.
     pub(super) left_out: Option<MorphLeftOut>,
     pub(super) work: Work,
+    /// Saved trees, one of which may fit the mesh. Taken once it is read.
+    pub(super) saved: Option<Layouts>,
     /// Whether the tree in progress is of the same mesh as the current one, but with other settings.
     is_same_mesh: bool,
     /// Whether the mesh was modified after the data in progress was read.
@@ -65,6 +68,8 @@ pub(super) enum Source {
     Copy(MeshData),
     /// The mesh has already been read for another tree.
     Read(Imported),
+    /// It was saved.
+    Saved(Restoring),
 }
 
 /// A new tree, and the mesh that was read for it.
@@ -84,6 +89,13 @@ impl Background {
     }
 }
 
+impl Background {
+    /// How the tree with a key is built.
+    pub(super) fn options_of(&self, key: &TreeKey) -> Option<BuildOptions> {
+        key.options.map_or(Some(self.options), |own| own.build_options().ok())
+    }
+}
+
 impl MeshTree {
     /// Whether a new tree is in progress.
     pub(super) fn is_coming(&self) -> bool {
@@ -99,6 +111,7 @@ impl MeshTree {
             corners: Arc::default(),
             left_out: None,
             work: Work::None,
+            saved: None,
             is_same_mesh: false,
             outdated: false,
             error: None,
@@ -163,19 +176,20 @@ impl MeshTree {
             ..
         } = background.clone();
         let options = key.options.map_or(Ok(options), |own| own.build_options());
+        let saved = self.saved.take();
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {
             let options = options?;
-            let imported = match source {
-                Source::Read(imported) => imported,
+            let (tree, imported) = match source {
+                Source::Saved(restoring) => restoring.await,
+                Source::Read(imported) => build(&turns, imported, &options, None).await,
                 Source::Copy(data) => {
                     let start = Instant::now();
                     let imported = data.into_model(skip_bad)?;
                     turns.after_step(start.elapsed()).await;
-                    imported
+                    build(&turns, imported, &options, saved).await
                 }
             };
-            let tree = Arc::new(turns.build(imported.model.clone(), &options).await);
             for work in on_built {
                 let start = Instant::now();
                 work(&tree);
@@ -220,4 +234,12 @@ impl MeshTree {
         self.error = Some(error);
         self.is_news = true;
     }
+}
+
+/// Builds the tree of a mesh, or restores it if it was saved.
+async fn build(turns: &Turns, imported: Imported, options: &BuildOptions, saved: Option<Layouts>) -> Finished {
+    let model = &imported.model;
+    let restored = saved.and_then(|saved| saved.restore(model, options));
+    let builder = restored.unwrap_or_else(|| MorphBvhBuilder::new(model.clone(), options));
+    (Arc::new(turns.finish(builder).await), imported)
 }

@@ -13,7 +13,10 @@ use super::complaints::Complaints;
 use super::error::ImportError;
 use super::left_out::MorphLeftOut;
 use super::mesh_tree::{Background, MeshTree, Source, Work};
+use super::saved::{Saved, SavedTrees};
 use super::tree_key::TreeKey;
+#[cfg(feature = "gltf")]
+use super::turns::Turns;
 use crate::components::{MorphCollisionSettings, MorphTreeOptions};
 
 /// The collision trees of all meshes that a collider has requested.
@@ -89,6 +92,12 @@ impl MorphTrees {
         skin: Option<&SkinnedMesh>,
     ) -> Option<&Arc<MorphBvh>> {
         self.tree(TreeKey::of(mesh, options, skin))
+    }
+
+    /// Shares the time of frames with tasks.
+    #[cfg(feature = "gltf")]
+    pub(super) fn turns(&self) -> Turns {
+        self.background.turns.clone()
     }
 
     /// The tree with a key, if it is ready.
@@ -213,6 +222,7 @@ pub(crate) fn apply_asset_events(
     meshes: Res<Assets<Mesh>>,
     settings: Option<Res<MorphCollisionSettings>>,
     time: Option<Res<Time<Real>>>,
+    saved: SavedTrees,
     complaints: Complaints,
 ) {
     let settings = settings.map(|settings| *settings).unwrap_or_default();
@@ -238,6 +248,7 @@ pub(crate) fn apply_asset_events(
         let trees = &mut *trees;
         match *event {
             AssetEvent::Modified { id } => {
+                saved.forget(id);
                 let Some(mesh) = meshes.get(id) else { continue };
                 let MorphTrees {
                     of_mesh,
@@ -246,6 +257,7 @@ pub(crate) fn apply_asset_events(
                     ..
                 } = trees;
                 for (key, entry) in of_mesh.iter_mut().filter(|(key, _)| key.mesh == id) {
+                    entry.saved = None;
                     // A mesh that is modified all the time still gets trees.
                     match entry.work {
                         Work::Building(_) => entry.outdated = true,
@@ -265,6 +277,7 @@ pub(crate) fn apply_asset_events(
                 let before = trees.of_mesh.len();
                 trees.of_mesh.retain(|key, _| key.mesh != id);
                 complaints.forget(id);
+                saved.forget(id);
                 trees.version += (before - trees.of_mesh.len()) as u64;
                 trees.waiting.retain(|(key, _)| key.mesh != id);
                 // Entities that still show it may get it back under the same name.
@@ -277,7 +290,12 @@ pub(crate) fn apply_asset_events(
 }
 
 /// Reads requested meshes as soon as they are loaded, and starts building their trees.
-pub(crate) fn start_trees(mut trees: ResMut<MorphTrees>, meshes: Res<Assets<Mesh>>, complaints: Complaints) {
+pub(crate) fn start_trees(
+    mut trees: ResMut<MorphTrees>,
+    meshes: Res<Assets<Mesh>>,
+    saved: SavedTrees,
+    complaints: Complaints,
+) {
     let MorphTrees {
         of_mesh,
         waiting,
@@ -304,7 +322,15 @@ pub(crate) fn start_trees(mut trees: ResMut<MorphTrees>, meshes: Res<Assets<Mesh
             *version += 1;
             entry.build(&key, background, Source::Read(imported));
         } else {
-            entry.start(&key, mesh, &complaints);
+            match saved.find(&key, asked_by, background.options_of(&key), &complaints.names) {
+                Saved::Coming => return true,
+                Saved::Tree(restoring) => entry.build(&key, background, Source::Saved(restoring)),
+                Saved::Layouts(layouts) => {
+                    entry.saved = Some(layouts);
+                    entry.start(&key, mesh, &complaints);
+                }
+                Saved::Nothing => entry.start(&key, mesh, &complaints),
+            }
         }
         of_mesh.insert(key, entry);
         false
@@ -318,7 +344,13 @@ pub(crate) fn start_trees(mut trees: ResMut<MorphTrees>, meshes: Res<Assets<Mesh
 }
 
 /// Replaces old trees by finished ones.
-pub(crate) fn finish_trees(mut trees: ResMut<MorphTrees>, meshes: Res<Assets<Mesh>>, complaints: Complaints) {
+pub(crate) fn finish_trees(
+    mut trees: ResMut<MorphTrees>,
+    meshes: Res<Assets<Mesh>>,
+    saved: SavedTrees,
+    complaints: Complaints,
+) {
+    saved.log();
     let MorphTrees {
         of_mesh,
         version,

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use bevy::platform::time::Instant;
 use bevy::tasks::futures_lite::future::yield_now;
-use morph_collision::{BuildOptions, MorphBvh, MorphBvhBuilder, MorphModel};
+use morph_collision::{MorphBvh, MorphBvhBuilder};
 
 /// How long copies and tasks together may delay a frame of 1/60 s. Tasks stop after the step that exceeds it.
 const PER_FRAME: Duration = Duration::from_millis(4);
@@ -104,9 +104,14 @@ impl Turns {
         .await;
     }
 
+    /// Whether a thread draws the frames.
+    #[cfg(feature = "gltf")]
+    pub(super) fn has_thread(&self, thread: ThreadId) -> bool {
+        thread == self.0.frames_thread
+    }
+
     /// Builds a tree and yields after each step.
-    pub(super) async fn build(&self, model: Arc<MorphModel>, options: &BuildOptions) -> MorphBvh {
-        let mut builder = MorphBvhBuilder::new(model, options);
+    pub(super) async fn finish(&self, mut builder: MorphBvhBuilder) -> MorphBvh {
         loop {
             let start = Instant::now();
             builder = match builder.step() {
@@ -131,6 +136,7 @@ mod tests {
     use std::task::{Context, Wake};
 
     use bevy::prelude::*;
+    use morph_collision::{BuildOptions, MorphModel};
 
     use super::*;
 
@@ -163,7 +169,7 @@ mod tests {
         let woken = Arc::new(Woken::default());
         let waker = Waker::from(woken.clone());
         let mut context = Context::from_waker(&waker);
-        let mut task = pin!(turns.build(model.clone(), &options));
+        let mut task = pin!(turns.finish(MorphBvhBuilder::new(model.clone(), &options)));
         let mut frames = 0;
         let tree = loop {
             if let Poll::Ready(tree) = task.as_mut().poll(&mut context) {
@@ -187,7 +193,7 @@ mod tests {
             let woken = Arc::new(Woken::default());
             let waker = Waker::from(woken.clone());
             let options = BuildOptions::default();
-            let mut task = pin!(turns.build(model(80), &options));
+            let mut task = pin!(turns.finish(MorphBvhBuilder::new(model(80), &options)));
             let mut polls = 0;
             while task.as_mut().poll(&mut Context::from_waker(&waker)).is_pending() {
                 polls += 1;

@@ -10,12 +10,16 @@ use morph_collision_models::mesh::MorphMesh;
 use super::builder::STEP;
 use super::*;
 use crate::joints::JointMatrices;
-use crate::model::{Influences, MorphModel};
+use crate::model::{Influences, MorphModel, WeightBox};
 use crate::pose::Pose;
+use crate::proof::{Effort, ProofOutcome, SelfProof};
 
 /// Builds in steps. Returns the tree, the number of steps, and how many steps left no work unused.
 fn in_steps(model: &Arc<MorphModel>, options: &BuildOptions) -> (MorphBvh, usize, usize) {
-    let mut builder = MorphBvhBuilder::new(model.clone(), options);
+    finish(MorphBvhBuilder::new(model.clone(), options))
+}
+
+fn finish(mut builder: MorphBvhBuilder) -> (MorphBvh, usize, usize) {
     let (mut steps, mut long) = (1, 0);
     loop {
         let budget = builder.budget.clone();
@@ -116,4 +120,31 @@ fn a_triangle_is_built_in_one_step() {
     let model = MorphModel::from_displacements::<[Vec3; 0]>(&base, &[[0, 1, 2]], &[]).unwrap();
     let (bvh, steps, _) = in_steps(&Arc::new(model), &BuildOptions::default());
     assert_eq!((bvh.node_count(), steps), (1, 1));
+}
+
+#[test]
+fn a_layout_is_restored_in_steps_with_its_certificates_if_they_are_good() {
+    let mesh = random::random_blob(5, 4, 12, 0.4);
+    for model in [model_of(&mesh), skinned(&mesh)] {
+        let built = Arc::new(MorphBvh::build(model.clone(), &BuildOptions::default()));
+        let restored = |layout: &TreeLayout| finish(MorphBvhBuilder::from_layout(model.clone(), layout).unwrap());
+        let (bvh, steps, _) = restored(&built.layout());
+        assert!(boxes(&bvh) == boxes(&built));
+        let (_, all_steps, _) = in_steps(&model, &BuildOptions::default());
+        assert!((2..all_steps).contains(&steps), "{steps} of {all_steps}");
+    }
+    let small = model_of(&random::random_blob(3, 3, 2, 0.9));
+    let certified = Arc::new(MorphBvh::build(small.clone(), &BuildOptions::default()));
+    let proof = SelfProof::new(&certified, &WeightBox::unit(2), Effort::light()).unwrap();
+    certified
+        .set_certificates(proof.certificates(&proof.run()).unwrap())
+        .unwrap();
+    let restored = MorphBvhBuilder::from_layout(small, &certified.layout()).unwrap();
+    assert!(finish(restored).0.layout() == certified.layout());
+    let other = model_of(&random::random_blob(6, 4, 12, 0.4));
+    let layout = MorphBvh::build(model_of(&mesh), &BuildOptions::default()).layout();
+    assert!(matches!(
+        MorphBvhBuilder::from_layout(other, &layout),
+        Err(LayoutError::OtherMesh { .. })
+    ));
 }

@@ -74,13 +74,7 @@ impl TreeFile {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         // Only sequences of unknown length and failing writers are errors.
-        let trees = postcard::to_allocvec(self).unwrap_or_default();
-        let mut bytes = Vec::with_capacity(HEADER + trees.len());
-        bytes.extend(MAGIC);
-        bytes.extend([FORMAT, VERSION].into_iter().flat_map(u32::to_le_bytes));
-        bytes.extend(checksum(&trees).to_le_bytes());
-        bytes.extend(trees);
-        bytes
+        Self::forged(&postcard::to_allocvec(self).unwrap_or_default())
     }
 
     /// Reads a file. Takes at most a mebibyte and about 32 times as much memory as the file, whatever is in it.
@@ -107,12 +101,16 @@ impl TreeFile {
         }
     }
 
-    /// Writes the checksum that the trees in these bytes have, for tests and fuzzing: damage then reaches the checks behind the checksum.
+    /// A file with any bytes for its trees and the right checksum, for tests and fuzzing.
     #[doc(hidden)]
-    pub fn forge_checksum(bytes: &mut [u8]) {
-        if let Some((header, trees)) = bytes.split_first_chunk_mut::<HEADER>() {
-            header[HEADER - size_of::<u64>()..].copy_from_slice(&checksum(trees).to_le_bytes());
-        }
+    #[must_use]
+    pub fn forged(trees: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(HEADER + trees.len());
+        bytes.extend(MAGIC);
+        bytes.extend([FORMAT, VERSION].into_iter().flat_map(u32::to_le_bytes));
+        bytes.extend(checksum(trees).to_le_bytes());
+        bytes.extend(trees);
+        bytes
     }
 }
 
@@ -206,16 +204,15 @@ mod tests {
         #[test]
         fn forged_files_are_errors_or_trees(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4), cut in any::<prop::sample::Index>(), cuts in any::<bool>()) {
             let (file, model) = file();
-            let mut bytes = file.to_bytes();
+            let mut trees = file.to_bytes().split_off(HEADER);
             for (at, value) in changes {
-                let at = HEADER + at.index(bytes.len() - HEADER);
-                bytes[at] = value;
+                let at = at.index(trees.len());
+                trees[at] = value;
             }
             if cuts {
-                bytes.truncate(HEADER + cut.index(bytes.len() - HEADER));
+                trees.truncate(cut.index(trees.len()));
             }
-            TreeFile::forge_checksum(&mut bytes);
-            for saved in TreeFile::from_bytes(&bytes).map_or(Vec::new(), |file| file.trees) {
+            for saved in TreeFile::from_bytes(&TreeFile::forged(&trees)).map_or(Vec::new(), |file| file.trees) {
                 if let Ok(bvh) = MorphBvh::from_layout(model.clone(), &saved.layout) {
                     prop_assert_eq!(bvh.layout(), saved.layout);
                 }

@@ -65,6 +65,7 @@ struct BakeReport {
 
 /// Builds the trees and writes them.
 pub(crate) fn bake(args: &BakeArgs) -> Result<(), CliError> {
+    let path = args.output()?;
     let file = args.files.open(&args.model)?;
     if file.skips_bad() {
         return Err(CliError::Flag {
@@ -72,7 +73,7 @@ pub(crate) fn bake(args: &BakeArgs) -> Result<(), CliError> {
             reason: "only meshes without bad triangles can be baked".to_owned(),
         });
     }
-    let output = OutputFile::create("--output", &args.output()?, file.files())?;
+    let output = OutputFile::create("--output", &path, file.files())?;
     let options = BakeOptions {
         rigid: args.rigid,
         certificates: args.certificates,
@@ -99,7 +100,7 @@ pub(crate) fn bake(args: &BakeArgs) -> Result<(), CliError> {
     let bytes = trees.to_bytes();
     output.write(|out| out.write_all(&bytes))?;
     let report = BakeReport {
-        file: args.output()?.display().to_string(),
+        file: path.display().to_string(),
         bytes: bytes.len(),
         trees: baked,
         not_baked,

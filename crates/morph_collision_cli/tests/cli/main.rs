@@ -2,6 +2,7 @@
 //! code.
 
 mod bad_input;
+mod bake;
 mod bombs;
 mod clip_files;
 mod clips;

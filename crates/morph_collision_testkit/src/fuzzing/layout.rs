@@ -1,7 +1,9 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::{Affine3A, Vec3};
-use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, TreeLayout, WorldFromModel};
+use morph_collision::{
+    Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, TreeFile, TreeLayout, WorldFromModel,
+};
 use serde_json::Value;
 
 use super::pairs::{sorted, truth};
@@ -40,26 +42,65 @@ pub fn layout(data: &[u8]) {
     let Ok(mut value) = serde_json::from_slice::<Value>(json) else {
         return;
     };
-    if first & 128 == 0
-        && let Value::Object(fields) = &mut value
-    {
+    if first & 128 == 0 {
+        correct(model, &mut value);
+    }
+    if let Ok(layout) = serde_json::from_value::<TreeLayout>(value) {
+        check(mesh, model, &layout);
+    }
+}
+
+/// Reads one byte that selects a mesh, then what follows the header of a [`TreeFile`]. Each tree in it must be refused, or give correct
+/// answers.
+///
+/// If the byte's upper bit is set, the header is among the bytes, too. Otherwise it is added, with the right checksum, and version and
+/// fingerprint of the trees are corrected.
+///
+/// # Panics
+/// If a restored tree answers wrongly.
+pub fn tree_file(data: &[u8]) {
+    let Some((&first, rest)) = data.split_first() else {
+        return;
+    };
+    let (mesh, model) = &MESHES[usize::from(first & 3)];
+    let is_whole = first & 128 != 0;
+    let file = if is_whole {
+        TreeFile::from_bytes(rest)
+    } else {
+        TreeFile::from_bytes(&TreeFile::forged(rest))
+    };
+    for saved in file.map_or(Vec::new(), |file| file.trees) {
+        let mut value = serde_json::to_value(&saved.layout).expect("a layout is serialisable");
+        if !is_whole {
+            correct(model, &mut value);
+        }
+        // Options out of range are refused when they are read.
+        let layout = serde_json::from_value(value).expect("a layout is read as it was written");
+        check(mesh, model, &layout);
+    }
+}
+
+/// Corrects version and fingerprint, so that the remaining checks are reached.
+fn correct(model: &Arc<MorphModel>, layout: &mut Value) {
+    if let Value::Object(fields) = layout {
         let right = MorphBvh::build(model.clone(), &BuildOptions::default()).layout();
         let right = serde_json::to_value(right).expect("a layout is serialisable");
         for name in ["version", "fingerprint"] {
             fields.insert(name.to_owned(), right[name].clone());
         }
     }
-    let Ok(layout) = serde_json::from_value::<TreeLayout>(value) else {
-        return;
-    };
-    let bvh = match MorphBvh::from_layout(model.clone(), &layout) {
+}
+
+/// The layout must be refused, or give a tree with correct answers.
+fn check(mesh: &MorphMesh, model: &Arc<MorphModel>, layout: &TreeLayout) {
+    let bvh = match MorphBvh::from_layout(model.clone(), layout) {
         Ok(bvh) => Arc::new(bvh),
         Err(error) => {
             assert!(!error.to_string().is_empty());
             return;
         }
     };
-    assert_eq!(bvh.layout(), layout, "a tree has the layout it was restored from");
+    assert_eq!(&bvh.layout(), layout, "a tree has the layout it was restored from");
     let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh)];
     for (i, pose) in poses.iter_mut().enumerate() {
         let weights: Vec<f32> = (0..pose.weights().len())

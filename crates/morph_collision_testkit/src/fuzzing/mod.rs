@@ -6,6 +6,7 @@
 //! | [`skins()`] | two small meshes moved by joints, tree options, weights and matrices | the oracle's pairs, rays and distances; no vertex outside its box |
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
 //! | [`layout()`] | a serialised tree | an error, or a tree with correct answers |
+//! | [`tree_file()`] | a file of trees | an error, or trees with correct answers |
 //! | [`scene()`] | a JSON scene | an error, or a scene that survives writing and reading |
 //! | [`gltf()`] | a glTF file | an error, or meshes that can be posed |
 //!
@@ -24,7 +25,7 @@ mod triangles;
 
 pub use bend::bend;
 pub use files::{gltf, scene};
-pub use layout::layout;
+pub use layout::{layout, tree_file};
 pub use pairs::pairs;
 pub use skins::skins;
 pub use triangles::triangles;
@@ -33,11 +34,12 @@ pub use triangles::triangles;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     ("pairs", pairs),
     ("skins", skins),
     ("triangles", triangles),
     ("layout", layout),
+    ("tree_file", tree_file),
     ("scene", scene),
     ("gltf", gltf),
 ];

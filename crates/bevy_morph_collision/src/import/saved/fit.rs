@@ -37,7 +37,8 @@ pub(super) fn fitting<'a>(
     let mut others = None;
     for SavedTree { layout, .. } in trees.filter(|tree| tree.layout.fingerprint() == fingerprint) {
         if options.is_none_or(|options| layout.options() == options) {
-            return MorphBvhBuilder::from_layout(model.clone(), layout).map_err(|error| error.to_string());
+            let again = |error| format!("{error}. `morph-collide bake` writes it anew");
+            return MorphBvhBuilder::from_layout(model.clone(), layout).map_err(again);
         }
         others = Some(layout.options());
     }

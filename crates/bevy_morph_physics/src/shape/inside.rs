@@ -1,7 +1,7 @@
 //! The inside of closed surfaces: which side of their triangles is outside, and what is inside.
 
 use bevy::math::Affine3A;
-use morph_collision::Body;
+use morph_collision::{Body, Pose};
 
 use parry3d::math::Pose as Isometry;
 use parry3d::math::{Real, Vector};
@@ -42,29 +42,13 @@ impl Posed {
     fn find_outward(&mut self) -> Real {
         let mirror = if self.mirrored { -1.0 } else { 1.0 };
         if self.winding.is_none() && !self.is_flat {
-            let volume = self.posed_volume();
+            let volume = volume(&mut self.pose);
             let is_mirrored = self.mirrored && self.pose.joints().is_some();
             // A mesh that encloses no volume in this pose may do so in another.
             self.winding = volume.map(|volume| if (volume < 0.0) == is_mirrored { 1.0 } else { -1.0 });
             self.is_flat = self.winding.is_none();
         }
         self.winding.map_or(1.0, |winding| winding * mirror)
-    }
-
-    /// Six times the volume that the pose encloses, negative if normals point inward. `None` if it does not exceed rounding
-    /// errors. Joints can mirror this volume, the transform does not.
-    fn posed_volume(&mut self) -> Option<f64> {
-        let origin = self.pose.vertex(0).unwrap_or_default().as_dvec3();
-        let triangles = 0..self.pose.bvh().model().triangle_count() as u32;
-        let volumes = triangles
-            .filter_map(|triangle| self.pose.triangle(triangle))
-            .map(|corners| {
-                let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
-                a.dot(b.cross(c))
-            });
-        let (volume, parts) = volumes.fold((0.0, 0.0), |(sum, parts), volume| (sum + volume, parts + volume.abs()));
-        // Also false for values that are not finite.
-        (volume.abs() > ROUNDING * parts).then_some(volume)
     }
 
     /// Whether a point in the collider's space is inside a solid surface.
@@ -79,6 +63,20 @@ impl Posed {
 
 /// The part of a volume that may be rounding of vertices, relative to the volumes between a vertex and each triangle.
 const ROUNDING: f64 = 1e-6;
+
+/// Six times the volume that a pose encloses, negative if normals point inward. `None` if it does not exceed rounding errors. Joints can mirror
+/// this volume, the transform does not.
+pub(super) fn volume(pose: &mut Pose) -> Option<f64> {
+    let origin = pose.vertex(0).unwrap_or_default().as_dvec3();
+    let triangles = 0..pose.bvh().model().triangle_count() as u32;
+    let volumes = triangles.filter_map(|triangle| pose.triangle(triangle)).map(|corners| {
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
+        a.dot(b.cross(c))
+    });
+    let (volume, parts) = volumes.fold((0.0, 0.0), |(sum, parts), volume| (sum + volume, parts + volume.abs()));
+    // Also false for values that are not finite.
+    (volume.abs() > ROUNDING * parts).then_some(volume)
+}
 
 /// The log message for an entity whose surface should be solid but cannot be.
 pub fn not_closed(name: &str) -> String {

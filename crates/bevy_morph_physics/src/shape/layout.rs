@@ -4,9 +4,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use bevy::app::App;
 use bevy::prelude::Resource;
-use morph_collision::{MorphBvh, MorphModel};
+use morph_collision::{MorphBvh, MorphModel, Pose};
 
 use bevy_morph_collision::import::MorphTrees;
+
+use super::inside::volume;
 
 /// No vertex.
 pub const NONE: u32 = u32::MAX;
@@ -20,17 +22,26 @@ pub struct MeshLayout {
     pub across: Vec<[u32; 3]>,
     /// Whether along every edge, the same number of triangles run in either direction, so that the surface has an inside.
     pub closed: bool,
+    /// If so: whether normals, by the triangles' winding, point outward (1) or inward (-1) at rest. `None` if it encloses no volume at rest.
+    pub winding: Option<f32>,
 }
 
 impl MeshLayout {
-    fn of(bvh: &MorphBvh) -> Self {
+    fn of(bvh: &Arc<MorphBvh>) -> Self {
         let mut order = vec![0; bvh.model().triangle_count()];
         let triangles = bvh.subtrees(usize::MAX).into_iter().flatten();
         for (index, &triangle) in (0..).zip(triangles) {
             order[triangle as usize] = index;
         }
         let (across, closed) = across(bvh.model());
-        Self { order, across, closed }
+        // Posing all vertices takes milliseconds, so no step does it.
+        let volume = closed.then(|| volume(&mut Pose::new(bvh.clone()))).flatten();
+        Self {
+            order,
+            across,
+            closed,
+            winding: volume.map(|volume| volume.signum() as f32),
+        }
     }
 }
 
@@ -140,6 +151,20 @@ mod tests {
         assert!(!closed(&positions, &[&one[..], &other[1..]].concat()));
         // A triangle without area uses an edge in both directions.
         assert!(closed(&positions, &[&one[..], &[[0, 1, 1]]].concat()));
+    }
+
+    #[test]
+    fn the_sides_of_a_closed_mesh_are_known_before_it_is_posed() {
+        let winding = |triangles: &[[u32; 3]], height: f32| {
+            let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z * height];
+            let model = MorphModel::from_displacements::<Vec<Vec3>>(&positions, triangles, &[]).unwrap();
+            MeshLayout::of(&Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))).winding
+        };
+        let out = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        assert_eq!(winding(&out, 1.0), Some(1.0));
+        assert_eq!(winding(&out.map(|[a, b, c]| [a, c, b]), 1.0), Some(-1.0));
+        assert_eq!(winding(&out, 0.0), None, "flat");
+        assert_eq!(winding(&out[1..], 1.0), None, "open");
     }
 
     #[test]

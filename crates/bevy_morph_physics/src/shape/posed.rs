@@ -51,13 +51,13 @@ pub(crate) struct Queries {
 impl Posed {
     pub(super) fn new(pose: Pose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
         Self {
+            winding: layout.winding,
             layout,
             pose,
             collider_from_model,
             queries: Queries::default(),
             solid: false,
             outward: None,
-            winding: None,
             is_flat: false,
             mirrored: false,
             mass: Mass::default(),

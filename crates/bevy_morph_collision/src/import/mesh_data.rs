@@ -6,7 +6,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::morph::MorphAttributes;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology};
 use bevy::prelude::*;
-use morph_collision::{BadParts, MorphModel, SparseTarget};
+use morph_collision::{BadParts, MorphBvh, MorphModel, SparseTarget};
 
 use super::copy::copy;
 use super::decode::Positions;
@@ -23,6 +23,9 @@ pub(super) struct Imported {
     pub(super) corners: Arc<[[u32; 3]]>,
     pub(super) left_out: Option<MorphLeftOut>,
 }
+
+/// A new tree, and the mesh that was read for it.
+pub(super) type Finished = (Arc<MorphBvh>, Imported);
 
 /// A copy of a mesh's shape, made piece by piece. Another thread does the rest of the work.
 ///

@@ -11,7 +11,7 @@ use tracing::error;
 use super::complaints::Complaints;
 use super::error::ImportError;
 use super::left_out::MorphLeftOut;
-use super::mesh_data::{Imported, MeshData};
+use super::mesh_data::{Finished, Imported, MeshData};
 use super::saved::{Layouts, Restoring};
 use super::tree_key::TreeKey;
 use super::turns::Turns;
@@ -71,9 +71,6 @@ pub(super) enum Source {
     /// It was saved.
     Saved(Restoring),
 }
-
-/// A new tree, and the mesh that was read for it.
-pub(super) type Finished = (Arc<MorphBvh>, Imported);
 
 impl Background {
     /// Takes over the app's options. Invalid ones are logged once, and the last valid ones stay in use.

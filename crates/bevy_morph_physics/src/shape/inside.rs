@@ -1,12 +1,13 @@
 //! The inside of closed surfaces: which side of their triangles is outside, and what is inside.
 
 use bevy::math::Affine3A;
-use morph_collision::{Body, Pose};
+use morph_collision::Body;
 
 use parry3d::math::Pose as Isometry;
 use parry3d::math::{Real, Vector};
 use parry3d::shape::Shape;
 
+use super::layout::volume;
 use super::posed::Posed;
 use super::surface::MorphSurface;
 
@@ -59,23 +60,6 @@ impl Posed {
         let body = Body::new(&mut self.pose, &self.collider_from_model);
         self.queries.ray.encloses(body, point.as_dvec3()).unwrap_or(false)
     }
-}
-
-/// The part of a volume that may be rounding of vertices, relative to the volumes between a vertex and each triangle.
-const ROUNDING: f64 = 1e-6;
-
-/// Six times the volume that a pose encloses, negative if normals point inward. `None` if it does not exceed rounding errors. Joints can mirror
-/// this volume, the transform does not.
-pub(super) fn volume(pose: &mut Pose) -> Option<f64> {
-    let origin = pose.vertex(0).unwrap_or_default().as_dvec3();
-    let triangles = 0..pose.bvh().model().triangle_count() as u32;
-    let volumes = triangles.filter_map(|triangle| pose.triangle(triangle)).map(|corners| {
-        let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
-        a.dot(b.cross(c))
-    });
-    let (volume, parts) = volumes.fold((0.0, 0.0), |(sum, parts), volume| (sum + volume, parts + volume.abs()));
-    // Also false for values that are not finite.
-    (volume.abs() > ROUNDING * parts).then_some(volume)
 }
 
 /// The log message for an entity whose surface should be solid but cannot be.

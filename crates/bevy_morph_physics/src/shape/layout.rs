@@ -8,8 +8,6 @@ use morph_collision::{MorphBvh, MorphModel, Pose};
 
 use bevy_morph_collision::import::MorphTrees;
 
-use super::inside::volume;
-
 /// No vertex.
 pub const NONE: u32 = u32::MAX;
 
@@ -71,6 +69,23 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
         across[other][other_edge] = third(one, one_edge);
     }
     (across, closed)
+}
+
+/// The part of a volume that may be rounding of vertices, relative to the volumes between a vertex and each triangle.
+const ROUNDING: f64 = 1e-6;
+
+/// Six times the volume that a pose encloses, negative if normals point inward. `None` if it does not exceed rounding errors. Joints can mirror
+/// this volume, the transform does not.
+pub(super) fn volume(pose: &mut Pose) -> Option<f64> {
+    let origin = pose.vertex(0).unwrap_or_default().as_dvec3();
+    let triangles = 0..pose.bvh().model().triangle_count() as u32;
+    let volumes = triangles.filter_map(|triangle| pose.triangle(triangle)).map(|corners| {
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
+        a.dot(b.cross(c))
+    });
+    let (volume, parts) = volumes.fold((0.0, 0.0), |(sum, parts), volume| (sum + volume, parts + volume.abs()));
+    // Also false for values that are not finite.
+    (volume.abs() > ROUNDING * parts).then_some(volume)
 }
 
 /// The layouts of all trees. A layout is dropped with its tree. Clones share the layouts.

@@ -12,7 +12,7 @@ use super::*;
 use crate::joints::JointMatrices;
 use crate::model::{Influences, MorphModel, WeightBox};
 use crate::pose::Pose;
-use crate::proof::{Effort, ProofOutcome, SelfProof};
+use crate::proof::{Effort, SelfProof};
 
 /// Builds in steps. Returns the tree, the number of steps, and how many steps left no work unused.
 fn in_steps(model: &Arc<MorphModel>, options: &BuildOptions) -> (MorphBvh, usize, usize) {

@@ -19,8 +19,7 @@ use morph_collision::{SavedTree, TreeFile};
 use tracing::debug;
 
 use super::super::gltf::repair_split_meshes;
-use super::super::mesh_data::MeshData;
-use super::super::mesh_tree::Finished;
+use super::super::mesh_data::{Finished, MeshData};
 use super::super::trees::MorphTrees;
 use super::super::turns::Turns;
 use super::file::EXTENSION;

@@ -13,7 +13,6 @@ use super::super::mesh_data::Finished;
 pub(in crate::import) type Restoring = Pin<Box<dyn Future<Output = Finished> + Send>>;
 
 /// The tree of a loaded mesh, as skeletons with a number of joints show it.
-#[cfg_attr(not(feature = "gltf"), expect(dead_code, reason = "the glTF loader makes them"))]
 pub(super) struct Restored {
     pub(super) joints: Option<usize>,
     pub(super) options: BuildOptions,

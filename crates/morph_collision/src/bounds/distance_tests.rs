@@ -53,7 +53,11 @@ fn random(rng: &mut Pcg64Mcg, case: usize) -> Situation {
     let place = WorldFromModel::new(place).expect("finite");
     let away = [1.0, 1e-3, 20.0, 1e6, 1e15][case / 5 % 5] * size;
     let middle = place.translation() + vector(away);
-    let half = if case.is_multiple_of(2) { DVec3::ZERO } else { vector(size) };
+    let half = if case.is_multiple_of(2) {
+        DVec3::ZERO
+    } else {
+        vector(size)
+    };
     Situation {
         place,
         magnitude: size as f32,

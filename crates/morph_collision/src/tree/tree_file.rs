@@ -11,7 +11,7 @@ use crate::hash::{START, hash};
 
 /// The version of the file. Raise it when what serde writes of [`TreeFile`] changes.
 const FORMAT: u32 = 1;
-const MAGIC: [u8; 8] = *b"MorphTre";
+const MAGIC: [u8; 8] = *b"MorphBVH";
 /// Magic number, two versions and a checksum.
 const HEADER: usize = MAGIC.len() + 2 * size_of::<u32>() + size_of::<u64>();
 
@@ -180,7 +180,7 @@ mod tests {
     fn other_files_versions_and_parts_are_told_apart() {
         let bytes = file().0.to_bytes();
         let read = |bytes: &[u8]| TreeFile::from_bytes(bytes).unwrap_err();
-        for other in [&b""[..], b"glTF", b"MorphTr"] {
+        for other in [&b""[..], b"glTF", b"MorphBV"] {
             assert_eq!(read(other), TreeFileError::OtherFile);
         }
         for (at, found) in [(8, [2, VERSION]), (12, [FORMAT, 2])] {

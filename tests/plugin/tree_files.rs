@@ -184,7 +184,7 @@ fn a_large_character_is_ready_two_frames_after_its_meshes() {
     write_marked(&model, &BakeOptions::default());
     let with = frames(&mut app_with(&model, MorphTreeFilesPlugin::default()));
     let without = frames(&mut app_with(&model, MorphTreeFilesPlugin { beside_models: false }));
-    println!("{} frames with the file, {without} without", with);
+    println!("{with} frames with the file, {without} without");
     assert!(with <= 2, "{with}");
     assert!(without > with, "{without}");
 }

@@ -45,6 +45,8 @@ impl DistanceCull {
         /// Segments farther away than this, relative to the size of the body and of the segment, are moved towards the body: with their
         /// distance, rounding errors grow. Not measured.
         const FAR: f64 = 1000.0;
+        /// More than the error of a subnormal coordinate.
+        const SUBNORMAL: f64 = power_of_two(-148);
         let world_from_model = body.world_from_model();
         let (space, metric) = faithful_space(body);
         let (middle, half) = (0.5 * (p + q), 0.5 * (q - p));
@@ -60,7 +62,7 @@ impl DistanceCull {
         }
         let (local, half) = (space.linear() * from_body, space.linear() * half);
         let reach = space.magnitude + local.abs() + half.abs();
-        let error = space.error(rounded, reach.max_element()) + DVec3::splat(f64::from(corner_error));
+        let error = space.error(rounded, reach.max_element()) + DVec3::splat(f64::from(corner_error) + SUBNORMAL);
         let map = if space.is_in_model { None } else { map_to_world(body) };
         // False for NaN.
         let is_usable = (error + reach).max_element() <= MAX_REACH && (space.is_in_model || map.is_some());
@@ -69,8 +71,8 @@ impl DistanceCull {
         }
         let root = metric.map(f64::sqrt);
         let largest = power_of_two_below((root * reach).max_element());
-        // Clamped so that neither the scale nor its products overflow or underflow.
-        let scale = largest.clamp(power_of_two(-120), power_of_two(120)).recip();
+        // Scaled to a size of about 1, nothing overflows in `f32`. Clamped for bodies of size 0.
+        let scale = largest.clamp(power_of_two(-300), power_of_two(300)).recip();
         let scales = (root * (scale * (1.0 - 4.0 * U64))).min(DVec3::splat(1e38));
         let scaled_half = (scales * half).as_vec3();
         let slack = (scales * (error + 16.0 * U32 * reach)).length() + 16.0 * U32 * (scales * reach).length();
@@ -81,7 +83,7 @@ impl DistanceCull {
             half_inverse: scaled_half.length_squared().max(f32::MIN_POSITIVE).recip(),
             scale,
             offset,
-            slack: slack + f64::from(SHORTEST_SQUARED),
+            slack,
             map,
         }
     }

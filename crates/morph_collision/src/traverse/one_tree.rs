@@ -39,7 +39,7 @@ impl<N> Eq for Entry<N> {}
 /// The nodes still to visit, lowest bound first. Later walks reuse the memory.
 #[derive(Debug)]
 pub(crate) struct Queue {
-    /// The lowest nodes, or all of them, in descending order of their bounds. Rays rarely need more.
+    /// In descending order of their bounds. Rays rarely need more.
     few: [Entry<Child>; FEW],
     /// The number of entries of `few` that are in use.
     count: usize,
@@ -79,7 +79,7 @@ impl Queue {
         self.few[at % FEW] = new;
     }
 
-    /// Moves the greatest node to the rest.
+    /// Moves the greatest of the few and the new one to the rest.
     #[inline(never)]
     fn push_full(&mut self, new: Entry<Child>) {
         if new.bound >= self.few[0].bound {

@@ -84,9 +84,7 @@ impl Background {
             }
         }
     }
-}
 
-impl Background {
     /// How the tree with a key is built.
     pub(super) fn options_of(&self, key: &TreeKey) -> Option<BuildOptions> {
         key.options.map_or(Some(self.options), |own| own.build_options().ok())

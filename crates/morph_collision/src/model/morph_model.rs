@@ -320,14 +320,6 @@ impl MorphModel {
         self.displacements.looseness(weights)
     }
 
-    /// How far [`MorphModel::blend_vertex`] and one more subtraction are from exact arithmetic along each axis, at most.
-    pub(crate) fn blend_error(&self, weights: &Weights) -> f32 {
-        let of_target = |&(target, weight): &(u32, f32)| weight.abs() * self.target_reach[target as usize];
-        let reach = self.base_reach + weights.active().iter().map(of_target).sum::<f32>();
-        // A product and a sum for each target; twice the roundoff, for rounding here. Products may underflow.
-        (weights.active().len() + 2) as f32 * f32::EPSILON * reach + f32::MIN_POSITIVE
-    }
-
     /// The posed position of a welded vertex in model space. Every answer is based on this definition.
     ///
     /// It is computed in `f32`, in ascending target order, skipping zero weights, with separate multiplications and additions.

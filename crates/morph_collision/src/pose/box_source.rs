@@ -17,11 +17,11 @@ pub(super) enum BoxSource {
     Refitted,
 }
 
-/// Boxes are blended up to this looseness. Chosen from counts of instructions with 32 to 256 dense or sparse targets (docs/tried.md).
+/// Boxes that are looser than this are not blended. Chosen from counts of instructions with 32 to 256 dense or sparse targets (docs/tried.md).
 const LOOSE: f32 = 12.0;
 
 impl BoxSource {
-    /// The source for these weights. Blended boxes are for any weights, so they are the looser, the more weights move a vertex.
+    /// The source for these weights. Blended boxes must hold for any weights, so the more weights move a vertex, the looser they are.
     pub(super) fn of_weights(model: &MorphModel, weights: &Weights) -> Self {
         let is_loose = model.skin().is_none() && model.looseness(weights) > LOOSE;
         if is_loose { Self::Loose } else { Self::Blended }

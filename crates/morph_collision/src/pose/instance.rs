@@ -22,7 +22,8 @@ use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
 ///
-/// Setting new weights costs a comparison and a copy; boxes are blended when a query first looks at their node. Setting the same
+/// Setting new weights costs a comparison and a copy; boxes are blended when a query first looks at their node. If so many weights are
+/// active that blended boxes would be loose, the first query that looks into the body poses all its vertices instead. Setting the same
 /// weights again keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
 ///
 /// Memory: 8 bytes per inner node, plus the boxes that were visited. Vertices take no memory until the first one is posed, and then about 17
@@ -165,8 +166,9 @@ impl Pose {
     /// Poses all vertices now and fits boxes tightly to them: in the upper half of the tree's levels now, below when a query first visits
     /// them. The boxes stay valid until the weights or joints change.
     ///
-    /// This is worth it if queries visit a small part of the tree, but blended boxes are loose, because the weights sum to far more than 1.
-    /// `docs/measurements/scale.md` has an example. Cost: `O(n)`. It poses as many vertices as [`Pose::refit`], and fits fewer boxes.
+    /// This is worth it if queries visit many parts of the body, but few of its triangles; `docs/performance.md` compares it as *hybrid*. With very
+    /// many active targets, a pose without joints does the same by itself. Cost: `O(n)`. It poses as many vertices as [`Pose::refit`], and fits
+    /// fewer boxes. If queries visit everything, each level of the lower half reads all vertices once more.
     pub fn refit_lazily(&mut self) {
         self.source = BoxSource::Refitted;
         self.placed_body.invalidate();

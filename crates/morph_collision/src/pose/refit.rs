@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
+use super::blend::max_widening;
 use super::blended_vertices::BlendedVertices;
 use super::box_source::BoxSource;
 use super::fitted_boxes::{around, unbounded};
@@ -45,7 +46,7 @@ impl Posed<'_> {
             BoxSource::Refitted => {}
             BoxSource::FittedBelow(_) if is_below => {}
             BoxSource::Loose if is_below => {
-                *self.source = BoxSource::FittedBelow(self.model.blend_error(self.weights));
+                *self.source = BoxSource::FittedBelow(max_widening(self.model, self.weights));
                 self.fit_upper(FIRST_BELOW);
                 if let Some(slot) = self.boxes.find(group) {
                     return Some(slot);

@@ -6,6 +6,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::blend::max_widening;
 use super::{Pose, Posed};
 use crate::Kernel;
 use crate::bounds::{Aabb, WorldFromModel};
@@ -272,7 +273,7 @@ fn boxes_that_would_be_loose_are_fitted_as_soon_as_something_looks_below_the_roo
         let of_the_body = pose.bounds();
         assert_eq!(pose.posed().blended().vertices, before.vertices, "bounds pose nothing");
         let (mut tight, mut loose) = (0, 0);
-        let rounding = Vec3::splat(pose.bvh.model().blend_error(&pose.weights));
+        let rounding = Vec3::splat(max_widening(pose.bvh.model(), &pose.weights));
         each_box(&mut pose.posed(), 2, &mut |bounds, points, _| {
             let fitted = Aabb::from_points(points.iter().copied());
             assert!(bounds.contains(fitted.min) && bounds.contains(fitted.max));

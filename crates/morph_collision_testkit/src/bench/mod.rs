@@ -6,7 +6,7 @@
 //!
 //! # How times are taken
 //!
-//! - **In turns.** In a round every contender runs all frames, one contender after the other (A B C A B C ...), so that
+//! - **In turns.** In a round every contender runs all frames, one contender after the other (A B C, then C B A, ...), so that
 //!   disturbances affect all alike. Round 0 fills caches and allocates memory, and is discarded. A ratio is the median over the
 //!   rounds of the ratio within a round. A time is the median over the rounds.
 //! - **Over whole frames.** In a frame, every body gets its weights and placement, the boxes of bodies are swept for overlaps,

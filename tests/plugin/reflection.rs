@@ -40,6 +40,11 @@ fn for_each_component(entity: Entity, mut each: impl EachComponent) {
     each.of(MorphShape::from(Capsule3d::new(0.5, 2.0)));
     each.of(MorphSurfaceAnchor::new(entity, 3, Vec3::X).with_offset(0.5));
     each.of(MorphTreeOptions { leaf_size: 3 });
+    let without = MorphQueryFilter::from_excluded_entities([entity]);
+    each.of(MorphRayCaster::new(Vec3::X, Dir3::NEG_Y).with_filter(without.clone()));
+    each.of(MorphRayHits::default());
+    each.of(MorphShapeCaster::new(MorphShape::default(), Vec3::X, Dir3::NEG_Y).with_filter(without));
+    each.of(MorphShapeHits::default());
     each.of(MorphPhysicsCollider {
         max_acceleration: 7.0,
         solid: true,
@@ -165,6 +170,10 @@ fn every_component_survives_a_scene_file() {
         .allow_component::<MorphShape>()
         .allow_component::<MorphSurfaceAnchor>()
         .allow_component::<MorphTreeOptions>()
+        .allow_component::<MorphRayCaster>()
+        .allow_component::<MorphRayHits>()
+        .allow_component::<MorphShapeCaster>()
+        .allow_component::<MorphShapeHits>()
         .allow_component::<MorphPhysicsCollider>()
         .allow_component::<MorphPhysicsScene>();
     let text = builder

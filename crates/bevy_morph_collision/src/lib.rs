@@ -99,6 +99,9 @@
 //! # App::new().add_systems(Update, shoot);
 //! ```
 //!
+//! [`MorphRayCaster`](spatial::MorphRayCaster) and [`MorphShapeCaster`](spatial::MorphShapeCaster) are components that do it in every run: on an eye, a
+//! foot or a camera.
+//!
 //! [`MorphSurfaceAnchor`](surface::MorphSurfaceAnchor) keeps an entity on the surface: a hat, a decal. With `MorphPickingPlugin` (feature `picking`), pointers
 //! hit meshes as they are drawn. [`MorphBoundsPlugin`](bounds::MorphBoundsPlugin) keeps Bevy's `Aabb` around what is drawn, for culling.
 //!
@@ -232,7 +235,10 @@ pub mod prelude {
         MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,
     };
     pub use crate::setup::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
-    pub use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphShapeHit, MorphSpatialQuery};
+    pub use crate::spatial::{
+        MorphQueryFilter, MorphRayCaster, MorphRayHit, MorphRayHits, MorphShapeCaster, MorphShapeHit, MorphShapeHits,
+        MorphSpatialQuery,
+    };
     pub use crate::state::MorphCollisionDiagnostics;
     pub use crate::surface::MorphSurfaceAnchor;
     #[cfg(feature = "picking")]

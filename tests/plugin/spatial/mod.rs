@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 mod batches;
+mod casters;
 mod order;
 mod shapes;
 mod systems;

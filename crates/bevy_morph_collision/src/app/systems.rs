@@ -15,6 +15,9 @@ pub enum MorphCollisionSystems {
     NarrowPhase,
     /// Reports what started and ended.
     Events,
+    /// Casts the rays and shapes of [`MorphRayCaster`](crate::spatial::MorphRayCaster) and
+    /// [`MorphShapeCaster`](crate::spatial::MorphShapeCaster).
+    Casters,
     /// Moves anchored entities to their place on the drawn surface. Always in [`PostUpdate`], even while paused.
     Anchors,
 }

@@ -71,14 +71,22 @@ impl Plugin for MorphCollisionPlugin {
 /// Orders the stages among each other and among Bevy's systems.
 fn order_stages(app: &mut App, schedule: InternedScheduleLabel) {
     use MorphCollisionSystems as Stage;
-    let stages = || (Stage::Weights, Stage::BroadPhase, Stage::NarrowPhase, Stage::Events);
+    let stages = || {
+        (
+            Stage::Weights,
+            Stage::BroadPhase,
+            Stage::NarrowPhase,
+            Stage::Events,
+            Stage::Casters,
+        )
+    };
     use VisibilitySystems::{CalculateBounds, CheckVisibility, UpdateFrusta};
     app.configure_sets(schedule, stages().chain().run_if(components::is_running))
         .configure_sets(
             PostUpdate,
             Stage::Anchors
                 .after(Stage::Import)
-                .after(Stage::Events)
+                .after(Stage::Casters)
                 // Cameras and models may be anchored.
                 .before(CalculateBounds)
                 .before(UpdateFrusta)
@@ -143,6 +151,7 @@ fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
             )
                 .chain()
                 .in_set(Stage::Events),
+            spatial::casters().in_set(Stage::Casters),
             events::begin_empty_run
                 .before(Stage::Weights)
                 .run_if(not(components::is_running)),

@@ -50,7 +50,7 @@ impl MorphSpatialQuery<'_, '_> {
         let found = self.answers(&batch, |walker, index| {
             let Ray3d { origin, direction } = rays[index];
             let cast = self.valid_in("cast_rays", index, RayCast::new(origin, direction, max_distance))?;
-            walker.first_hit(cast, filter, &mut |_| true)
+            walker.first_hit(&cast, filter, &mut |_| true)
         });
         hits.clear();
         hits.extend(found.iter().map(|hit| Some(self.ray_hit(hit.as_ref()?))));
@@ -133,7 +133,7 @@ impl MorphSpatialQuery<'_, '_> {
     }
 
     /// Answers sorted questions, on several threads if that pays.
-    fn answers<A: Default + Send>(
+    pub(super) fn answers<A: Default + Send>(
         &self,
         batch: &QuestionBatch,
         ask: impl Fn(&mut Walker<'_, '_, '_>, usize) -> A + Sync,

@@ -1,17 +1,19 @@
 //! Which colliders a query sees.
 
+use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 
 use crate::state::Placement;
 
 /// Which colliders a spatial query considers. The default is all of them; the layers they collide with do not matter.
-#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[derive(MapEntities, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Debug, Default, Clone, PartialEq)]
 pub struct MorphQueryFilter {
     /// Only colliders on at least one of these layers, one bit per layer. The layers they collide with do not matter. `None`
     /// means all.
     pub mask: Option<u32>,
     /// Colliders to leave out. A body in this list leaves out all its colliders.
+    #[entities]
     pub excluded_entities: Vec<Entity>,
     /// Rays pass through triangles that they would hit from behind.
     pub only_front: bool,

@@ -71,7 +71,7 @@ impl MorphSpatialQuery<'_, '_> {
         mut predicate: impl FnMut(Entity) -> bool,
     ) -> Option<MorphRayHit> {
         let cast = self.valid("cast_ray", RayCast::new(origin, direction, max_distance))?;
-        let hit = self.walker()?.first_hit(cast, filter, &mut predicate)?;
+        let hit = self.walker()?.first_hit(&cast, filter, &mut predicate)?;
         Some(self.ray_hit(&hit))
     }
 
@@ -103,31 +103,10 @@ impl MorphSpatialQuery<'_, '_> {
         let Some(cast) = self.valid("ray_hits", RayCast::new(origin, direction, max_distance)) else {
             return Vec::new();
         };
-        let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
-        let mut all: Vec<Ranked> = Vec::new();
-        self.walk(
-            filter,
-            &mut predicate,
-            max_distance,
-            enters,
-            |queries, entity, target| {
-                match target {
-                    Target::Mesh(body) => {
-                        queries.hits.clear();
-                        queries.ray.all(body, &cast.ray, &mut queries.hits);
-                        let seen = queries.hits.drain(..).filter(|hit| filter.sees(hit));
-                        all.extend(seen.map(|hit| Ranked::triangle(entity, hit)));
-                    }
-                    Target::Shape(shape) => {
-                        let impact = meets_shape(&cast.point, direction, max_distance, shape);
-                        all.extend(impact.map(|impact| Ranked::shape(entity, impact, direction)));
-                    }
-                }
-                max_distance
-            },
-        );
-        all.sort_unstable_by_key(|hit| hit.rank);
-        all.iter().map(|hit| self.ray_hit(hit)).collect()
+        let hits = self
+            .walker()
+            .map(|mut walker| walker.all_hits(&cast, filter, &mut predicate));
+        hits.iter().flatten().map(|hit| self.ray_hit(hit)).collect()
     }
 
     pub(super) fn ray_hit(&self, Ranked { rank, met }: &Ranked) -> MorphRayHit {
@@ -163,10 +142,44 @@ impl MorphSpatialQuery<'_, '_> {
 }
 
 impl Walker<'_, '_, '_> {
+    /// All hits of a ray, sorted.
+    pub(super) fn all_hits(
+        &mut self,
+        cast: &RayCast,
+        filter: &MorphQueryFilter,
+        predicate: &mut dyn FnMut(Entity) -> bool,
+    ) -> Vec<Ranked> {
+        let RayCast {
+            origin,
+            direction,
+            max_distance,
+            ..
+        } = *cast;
+        let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
+        let mut all: Vec<Ranked> = Vec::new();
+        self.walk(filter, predicate, max_distance, enters, |queries, entity, target| {
+            match target {
+                Target::Mesh(body) => {
+                    queries.hits.clear();
+                    queries.ray.all(body, &cast.ray, &mut queries.hits);
+                    let seen = queries.hits.drain(..).filter(|hit| filter.sees(hit));
+                    all.extend(seen.map(|hit| Ranked::triangle(entity, hit)));
+                }
+                Target::Shape(shape) => {
+                    let impact = meets_shape(&cast.point, direction, max_distance, shape);
+                    all.extend(impact.map(|impact| Ranked::shape(entity, impact, direction)));
+                }
+            }
+            max_distance
+        });
+        all.sort_unstable_by_key(|hit| hit.rank);
+        all
+    }
+
     /// The first hit of a ray.
     pub(super) fn first_hit(
         &mut self,
-        mut cast: RayCast,
+        cast: &RayCast,
         filter: &MorphQueryFilter,
         predicate: &mut dyn FnMut(Entity) -> bool,
     ) -> Option<Ranked> {
@@ -174,8 +187,9 @@ impl Walker<'_, '_, '_> {
             origin,
             direction,
             max_distance,
-            ..
-        } = cast;
+            mut ray,
+            ref point,
+        } = *cast;
         let mut within = max_distance;
         let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
         let mut first: Option<Ranked> = None;
@@ -183,17 +197,18 @@ impl Walker<'_, '_, '_> {
             let hit = match target {
                 Target::Mesh(body) => queries
                     .ray
-                    .closest_where(body, &cast.ray, |hit| filter.sees(hit))
+                    .closest_where(body, &ray, |hit| filter.sees(hit))
                     .map(|hit| Ranked::triangle(entity, hit)),
-                Target::Shape(shape) => meets_shape(&cast.point, direction, within, shape)
-                    .map(|impact| Ranked::shape(entity, impact, direction)),
+                Target::Shape(shape) => {
+                    meets_shape(point, direction, within, shape).map(|impact| Ranked::shape(entity, impact, direction))
+                }
             };
             let is_first = |hit: &Ranked| first.as_ref().is_none_or(|first| hit.rank < first.rank);
             if let Some(hit) = hit.filter(is_first) {
                 // A margin for the roundings of other hits, and for a direction whose length is not quite 1.
                 within = ((hit.rank.distance * (1.0 + 1e-6)) as f32).next_up().min(max_distance);
                 if let Ok(shorter) = RayCast::new(origin, direction, within) {
-                    cast.ray = shorter.ray;
+                    ray = shorter.ray;
                 }
                 first = Some(hit);
             }
@@ -205,8 +220,8 @@ impl Walker<'_, '_, '_> {
 
 /// A ray, and a point to cast along it.
 pub(super) struct RayCast {
-    origin: Vec3,
-    direction: Dir3,
+    pub(super) origin: Vec3,
+    pub(super) direction: Dir3,
     max_distance: f32,
     ray: Ray,
     point: PlacedShape,

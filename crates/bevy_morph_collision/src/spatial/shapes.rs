@@ -88,9 +88,69 @@ impl MorphSpatialQuery<'_, '_> {
         filter: &MorphQueryFilter,
         mut predicate: impl FnMut(Entity) -> bool,
     ) -> Option<MorphShapeHit> {
-        let (shape, around) = self.valid("cast_shape", place(shape, origin, rotation))?;
+        let cast = self.valid(
+            "cast_shape",
+            ShapeCast::new(shape, origin, rotation, direction, max_distance),
+        )?;
+        let found = self.walker()?.first_impacts(&cast, 1, filter, &mut predicate);
+        found.first().map(MorphShapeHit::new)
+    }
+}
+
+/// A shape that moves.
+pub(super) struct ShapeCast {
+    pub(super) origin: Vec3,
+    direction: Dir3,
+    max_distance: f32,
+    shape: PlacedShape,
+    /// A box around the shape at the start.
+    around: Aabb,
+}
+
+impl ShapeCast {
+    pub(super) fn new(
+        shape: &MorphShape,
+        origin: Vec3,
+        rotation: Quat,
+        direction: Dir3,
+        max_distance: f32,
+    ) -> Result<Self, InputError> {
+        let (shape, around) = place(shape, origin, rotation)?;
+        RayCast::new(origin, direction, max_distance)?;
+        Ok(Self {
+            origin,
+            direction,
+            max_distance,
+            shape,
+            around,
+        })
+    }
+}
+
+/// Where a moving shape first touches a collider.
+pub(super) type FirstTouch = (HitRank, ShapeImpact);
+
+impl Walker<'_, '_, '_> {
+    /// The first `count` colliders that a moving shape touches, sorted, each where it first does.
+    pub(super) fn first_impacts(
+        &mut self,
+        cast: &ShapeCast,
+        count: usize,
+        filter: &MorphQueryFilter,
+        predicate: &mut dyn FnMut(Entity) -> bool,
+    ) -> Vec<FirstTouch> {
+        let mut first: Vec<FirstTouch> = Vec::new();
+        if count == 0 {
+            return first;
+        }
+        let ShapeCast {
+            origin,
+            direction,
+            max_distance,
+            ref shape,
+            around,
+        } = *cast;
         let way = direction.as_dvec3();
-        self.valid("cast_shape", RayCast::new(origin, direction, max_distance))?;
         let reaches = |bounds: &Aabb| {
             let grown = Aabb {
                 min: bounds.min - (around.max - origin),
@@ -98,41 +158,32 @@ impl MorphSpatialQuery<'_, '_> {
             };
             enters(&grown, origin, *direction, max_distance)
         };
-        let mut first: Option<(HitRank, ShapeImpact)> = None;
-        self.walk(
-            filter,
-            &mut predicate,
-            max_distance,
-            reaches,
-            |queries, entity, target| {
-                let within = first
-                    .as_ref()
-                    .map_or(f64::from(max_distance), |(_, impact)| impact.distance);
-                let hit = match target {
-                    Target::Mesh(body) => match queries.shape.cast(body, &shape, way, within) {
-                        Ok(Some(hit)) => Some((hit.triangle, hit.impact)),
-                        _ => None,
-                    },
-                    Target::Shape(other) => match shape.cast(way, within, other) {
-                        Ok(Some(impact)) => Some((MorphContact::NO_TRIANGLE, impact)),
-                        _ => None,
-                    },
-                };
-                let hit = hit.map(|(triangle, impact)| (Rank::new(impact.distance, (entity, triangle)), impact));
-                let is_first = |(rank, _): &(HitRank, _)| first.as_ref().is_none_or(|(first, _)| rank < first);
-                if let Some(hit) = hit.filter(is_first) {
-                    first = Some(hit);
-                }
-                first.as_ref().map_or(max_distance, |(_, impact)| {
-                    (impact.distance as f32).next_up().min(max_distance)
-                })
-            },
-        );
-        first.map(|(rank, impact)| MorphShapeHit::new(rank.id.0, rank.id.1, &impact))
+        self.walk(filter, predicate, max_distance, reaches, |queries, entity, target| {
+            let last = first.get(count - 1).map(|(_, impact)| impact.distance);
+            let within = last.unwrap_or(f64::from(max_distance));
+            let hit = match target {
+                Target::Mesh(body) => match queries.shape.cast(body, shape, way, within) {
+                    Ok(Some(hit)) => Some((hit.triangle, hit.impact)),
+                    _ => None,
+                },
+                Target::Shape(other) => match shape.cast(way, within, other) {
+                    Ok(Some(impact)) => Some((MorphContact::NO_TRIANGLE, impact)),
+                    _ => None,
+                },
+            };
+            if let Some((triangle, impact)) = hit {
+                let rank = Rank::new(impact.distance, (entity, triangle));
+                let place = first.partition_point(|(other, _)| *other < rank);
+                first.insert(place, (rank, impact));
+                first.truncate(count);
+            }
+            first.get(count - 1).map_or(max_distance, |(_, impact)| {
+                (impact.distance as f32).next_up().min(max_distance)
+            })
+        });
+        first
     }
-}
 
-impl Walker<'_, '_, '_> {
     /// The colliders that a shape intersects, ascending. The shape comes with a box around it.
     pub(super) fn intersections_with(
         &mut self,
@@ -156,7 +207,8 @@ impl Walker<'_, '_, '_> {
 }
 
 impl MorphShapeHit {
-    fn new(entity: Entity, triangle: u32, impact: &ShapeImpact) -> Self {
+    pub(super) fn new((rank, impact): &FirstTouch) -> Self {
+        let (entity, triangle) = rank.id;
         Self {
             entity,
             distance: impact.distance as f32,

@@ -10,6 +10,8 @@ mod crowd;
 mod culling;
 #[path = "../dolphins.rs"]
 mod dolphins;
+#[path = "../dust.rs"]
+mod dust;
 #[path = "../face.rs"]
 mod face;
 #[path = "../own.rs"]
@@ -27,6 +29,7 @@ pub use self::character::demo as character;
 pub use self::crowd::demo as crowd;
 pub use self::culling::demo as culling;
 pub use self::dolphins::demo as dolphins;
+pub use self::dust::demo as dust;
 pub use self::face::demo as face;
 pub use self::own::demo as own;
 pub use self::pass_through::demo as pass_through;

@@ -6,7 +6,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! demos > character, heaving, own, slap > report, view > crowd, instances, physics > app, options > costs, drawn, error, outcome, touching
+//! demos > character, dust, heaving, own, slap > report, view > crowd, instances, physics > app, options > costs, drawn, error, outcome, touching
 //! ```
 // Systems need many parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
@@ -21,6 +21,7 @@ pub mod crowd;
 #[cfg(feature = "render")]
 pub mod demos;
 pub mod drawn;
+pub mod dust;
 pub mod error;
 pub mod heaving;
 pub mod instances;

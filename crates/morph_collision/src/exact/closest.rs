@@ -74,24 +74,32 @@ pub(crate) fn closest_on_triangle_exactly(point: DVec3, triangle: &Triangle) -> 
 /// because the foot on their plane is computed in exact arithmetic.
 pub(crate) fn closest_on_triangle(point: DVec3, triangle: &Triangle) -> TrianglePoint {
     let [a, b, c] = *triangle;
+    let edges_squared = || closest_on_edges(point, triangle).squared;
+    // First, because then nothing else is needed for points over the triangle, like those that a ray hits.
+    if let Some([y, z]) = plane_coordinates([a, point], [a, b], [a, c], edges_squared)
+        && y >= 0.0
+        && z >= 0.0
+        && y + z <= 1.0
+    {
+        let (ab, ac) = (b - a, c - a);
+        return TrianglePoint {
+            barycentrics: [(1.0 - y - z).max(0.0), y, z],
+            point: a + (ab * y + ac * z),
+            squared: (point - a - ab * y - ac * z).length_squared(),
+        };
+    }
+    closest_on_edges(point, triangle)
+}
+
+/// The closest point of a triangle's edges.
+#[inline(never)]
+fn closest_on_edges(point: DVec3, &[a, b, c]: &Triangle) -> TrianglePoint {
     let mut best = closest_on_edge(point, [a, b], 0);
     for (edge, first) in [([b, c], 1), ([c, a], 2)] {
         let other = closest_on_edge(point, edge, first);
         if other.squared < best.squared {
             best = other;
         }
-    }
-    if let Some([y, z]) = plane_coordinates([a, point], [a, b], [a, c], best.squared)
-        && y >= 0.0
-        && z >= 0.0
-        && y + z <= 1.0
-    {
-        let (ab, ac) = (b - a, c - a);
-        best = TrianglePoint {
-            barycentrics: [(1.0 - y - z).max(0.0), y, z],
-            point: a + (ab * y + ac * z),
-            squared: (point - a - ab * y - ac * z).length_squared(),
-        };
     }
     best
 }
@@ -145,7 +153,7 @@ pub(super) fn lerp([p, q]: Segment, t: f64) -> DVec3 {
 ///
 /// Uses exact arithmetic if the angle between `u` and `v` is small. `None` if they span no plane, or if the angle is so small that
 /// no point between the edges can be closer than the nearer edge, whose squared distance is `edges_squared`.
-fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: f64) -> Option<[f64; 2]> {
+fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: impl FnOnce() -> f64) -> Option<[f64; 2]> {
     // The squared sine of the angle, which determines how much rounding errors are magnified. Above this bound, they cost at most
     // four digits. Not measured; exact arithmetic is rare with it.
     const SMALL_ANGLE: f64 = 1e-4;
@@ -163,7 +171,7 @@ fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: f64) -> 
     // Points between the edges are within `sqrt(area / uu)` of them. The second term is there because the area may be pure
     // rounding error.
     let max_area = area + 1e-30 * (uu * vv);
-    if max_area <= NO_CLOSER * (uu.min(vv) * edges_squared) {
+    if max_area <= NO_CLOSER * (uu.min(vv) * edges_squared()) {
         return None;
     }
     exact_plane_coordinates(r, u, v)
@@ -287,7 +295,7 @@ fn closest_inside_segments([p, q]: Segment, [r, s]: Segment, corners_squared: f6
 
 /// The parameters of the closest points of two segments if neither is an end.
 fn parameters_inside([p, q]: Segment, [r, s]: Segment, corners_squared: f64) -> Option<[f64; 2]> {
-    let inside = plane_coordinates([p, r], [p, q], [s, r], corners_squared)?;
+    let inside = plane_coordinates([p, r], [p, q], [s, r], || corners_squared)?;
     inside.iter().all(|at| (0.0..=1.0).contains(at)).then_some(inside)
 }
 

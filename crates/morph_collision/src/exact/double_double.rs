@@ -1,4 +1,17 @@
-//! Numbers with twice the digits of an `f64`.
+//! Numbers with twice the digits of an `f64`, one or several side by side.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// An `f64`, or several side by side.
+pub(super) trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> + Neg<Output = Self>
+{
+}
+
+impl<T> Real for T where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T> + Neg<Output = T>
+{
+}
 
 /// The unevaluated sum of two `f64`s (Dekker 1971, "A floating-point technique for extending the available precision"). The second is
 /// at most half a unit in the last place of the first.
@@ -6,24 +19,24 @@
 /// With `v = 2^-53` and without underflow, a sum or difference of `x` and `y` has an error of at most `3 v^2 (|x| + |y|)`, a product one
 /// of at most `8 v^2 |x y|` (docs/numerics.md). Each product that underflows adds less than [`UNDERFLOW`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DoubleDouble {
-    pub(super) high: f64,
-    pub(super) low: f64,
+pub(super) struct DoubleDouble<T> {
+    pub(super) high: T,
+    pub(super) low: T,
 }
 
 /// More than the absolute error of a product by underflow: each of its parts loses at most half the smallest subnormal.
 pub(super) const UNDERFLOW: f64 = f64::from_bits(16);
 
-impl DoubleDouble {
+impl<T: Real> DoubleDouble<T> {
     /// `a - b`, without any error.
     #[inline(always)]
-    pub(super) fn difference(a: f64, b: f64) -> Self {
+    pub(super) fn difference(a: T, b: T) -> Self {
         two_sum(a, -b)
     }
 
     /// `a b`, without any error but underflow.
     #[inline(always)]
-    pub(super) fn product(a: f64, b: f64) -> Self {
+    pub(super) fn product(a: T, b: T) -> Self {
         two_product(a, b)
     }
 
@@ -49,7 +62,7 @@ impl DoubleDouble {
 
 /// The sum of a number and a smaller one.
 #[inline(always)]
-fn normalised(high: f64, low: f64) -> DoubleDouble {
+fn normalised<T: Real>(high: T, low: T) -> DoubleDouble<T> {
     let sum = high + low;
     DoubleDouble {
         high: sum,
@@ -59,7 +72,7 @@ fn normalised(high: f64, low: f64) -> DoubleDouble {
 
 /// The rounded sum of two numbers and what rounding left out (Knuth).
 #[inline(always)]
-fn two_sum(a: f64, b: f64) -> DoubleDouble {
+fn two_sum<T: Real>(a: T, b: T) -> DoubleDouble<T> {
     let high = a + b;
     let of_b = high - a;
     let low = (a - (high - of_b)) + (b - of_b);
@@ -69,7 +82,7 @@ fn two_sum(a: f64, b: f64) -> DoubleDouble {
 /// The rounded product of two numbers and what rounding left out (Dekker). Not by a fused multiplication, which is slow on processors
 /// without one.
 #[inline(always)]
-fn two_product(a: f64, b: f64) -> DoubleDouble {
+fn two_product<T: Real>(a: T, b: T) -> DoubleDouble<T> {
     let high = a * b;
     let ([a, a_low], [b, b_low]) = (halves(a), halves(b));
     let low = a_low * b_low - (((high - a * b) - a_low * b) - a * b_low);
@@ -78,9 +91,9 @@ fn two_product(a: f64, b: f64) -> DoubleDouble {
 
 /// A number as the sum of two with at most 26 bits each (Veltkamp).
 #[inline(always)]
-fn halves(value: f64) -> [f64; 2] {
+fn halves<T: Real>(value: T) -> [T; 2] {
     const SPLIT: f64 = (1_u64 << 27) as f64 + 1.0;
-    let shifted = SPLIT * value;
+    let shifted = value * SPLIT;
     let high = shifted - (shifted - value);
     [high, value - high]
 }
@@ -93,7 +106,7 @@ mod tests {
     use crate::exact::dyadic::Dyadic;
     use crate::exact::number::{Number, UNIT_ROUNDOFF};
 
-    impl DoubleDouble {
+    impl DoubleDouble<f64> {
         fn exact(self) -> Dyadic {
             Dyadic::new(self.high).plus(&Dyadic::new(self.low))
         }
@@ -105,7 +118,7 @@ mod tests {
     }
 
     /// How much of an allowed error is reached.
-    fn share(found: DoubleDouble, exact: &Dyadic, allowed: &Dyadic) -> f64 {
+    fn share(found: DoubleDouble<f64>, exact: &Dyadic, allowed: &Dyadic) -> f64 {
         let error = found.exact().minus(exact);
         let zero = Dyadic::new(0.0);
         match error.order() {

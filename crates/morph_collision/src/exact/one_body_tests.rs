@@ -1,5 +1,6 @@
 //! Tests of rays, regions and closest points against other arithmetic.
 
+use fearless_simd::Level;
 use glam::DVec3;
 use morph_collision_testkit::oracle::{self, Dyadic};
 use proptest::prelude::*;
@@ -32,7 +33,7 @@ proptest! {
             let end = origin + direction * t;
             oracle::triangles_intersect(&[origin, end, end], &triangle)
         };
-        match ray_meets_triangle(&Line { origin, direction, max_t }, &triangle) {
+        match ray_meets_triangle(Level::new(), &Line { origin, direction, max_t }, &triangle) {
             Some(crossing) => {
                 prop_assert!(meets(max_t));
                 prop_assert!(closest_on_triangle(origin + direction * crossing.t, &triangle).squared < 1e-24);
@@ -40,7 +41,7 @@ proptest! {
             }
             None => prop_assert!(!meets(max_t)),
         }
-        let unlimited = ray_meets_triangle(&Line { origin, direction, max_t: f64::INFINITY }, &triangle);
+        let unlimited = ray_meets_triangle(Level::new(), &Line { origin, direction, max_t: f64::INFINITY }, &triangle);
         prop_assert_eq!(unlimited.is_some(), meets(64.0));
     }
 
@@ -185,7 +186,7 @@ fn a_ray_along_a_triangle_without_area_meets_it_from_its_nearer_end_on() {
             direction: DVec3::X * direction,
             max_t,
         };
-        let t = ray_meets_triangle(&line, &segment).map(|crossing| crossing.t.to_bits());
+        let t = ray_meets_triangle(Level::new(), &line, &segment).map(|crossing| crossing.t.to_bits());
         assert_eq!(t, expected.map(f64::to_bits), "from {origin} by {direction}");
     }
     let beside = Line {
@@ -193,5 +194,5 @@ fn a_ray_along_a_triangle_without_area_meets_it_from_its_nearer_end_on() {
         direction: DVec3::X,
         max_t: f64::INFINITY,
     };
-    assert!(ray_meets_triangle(&beside, &segment).is_none());
+    assert!(ray_meets_triangle(Level::new(), &beside, &segment).is_none());
 }

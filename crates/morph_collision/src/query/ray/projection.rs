@@ -190,7 +190,8 @@ mod tests {
                                 .unwrap()
                                 .to_vec();
                             for (lane, number) in numbers.into_iter().enumerate() {
-                                let is_met = ray_meets_triangle(&line, &tree.world_triangle(number)).is_some();
+                                let is_met =
+                                    ray_meets_triangle(tree.level, &line, &tree.world_triangle(number)).is_some();
                                 let is_candidate = candidates >> lane & 1 == 1;
                                 let triangle = tree.patch_triangle(leaf, patch * LANES + lane, &corners);
                                 assert_eq!(triangle, tree.world_triangle(number));

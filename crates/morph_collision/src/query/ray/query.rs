@@ -200,15 +200,15 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let bounds = {
+        let (bounds, level) = {
             let tree = &mut body.posed();
-            let (corner_error, placed) = (tree.corner_error(), &tree.placed_body().placed);
-            RayBounds::new(line, placed, corner_error)
+            let (corner_error, level, placed) = (tree.corner_error(), tree.level, &tree.placed_body().placed);
+            (RayBounds::new(line, placed, corner_error), level)
         };
         // The part of the ray on which hits still matter.
         let mut near = *line;
         self.one.walk(body, line.max_t, &bounds, &mut |number, triangle| {
-            if let Some(crossing) = ray_meets_triangle(&near, triangle) {
+            if let Some(crossing) = ray_meets_triangle(level, &near, triangle) {
                 near.max_t = at_hit(number, &crossing, triangle)?.min(line.max_t);
             }
             ControlFlow::Continue(near.max_t)

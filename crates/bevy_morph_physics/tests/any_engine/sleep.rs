@@ -11,7 +11,7 @@ use crate::support::{
 
 /// A sheet that is turned, so that its box has two corners without triangles.
 fn slope() -> MorphMesh {
-    let mut mesh = sheet(32);
+    let mut mesh = sheet(16);
     let turn = Quat::from_rotation_z(0.7);
     for position in &mut mesh.positions {
         *position = turn * *position;
@@ -48,7 +48,8 @@ fn fly(guard: bool, speed: f32, event: Event) -> (Vec<[Vec3; 2]>, Vec<u32>) {
         app.world_mut().spawn((ball(0.05), corner, hovering(Vec3::ZERO)));
     }
     let (mut states, mut awake, mut time) = (Vec::new(), Vec::new(), 0.0_f32);
-    for frame in 0..150 {
+    let frames = (8.0 / speed / DT) as usize;
+    for frame in 0..frames.max(30) {
         time += DT;
         match event {
             Event::Teleport(at) if frame == at => {

@@ -64,6 +64,11 @@ impl Pushing {
         self.near.is_idle()
     }
 
+    /// Whether triangles near a collider matter in the step.
+    pub(crate) fn is_awake(&self) -> bool {
+        self.near.is_awake()
+    }
+
     /// Whether the surface has parts for a collider.
     pub(crate) fn is_near(&self, collider: Entity) -> bool {
         self.near.knows(collider)

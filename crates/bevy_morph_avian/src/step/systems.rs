@@ -83,6 +83,7 @@ pub(crate) fn before_step(
         diagnostics.surfaces += 1;
         diagnostics.moving += u32::from(surface.state.moving.moves);
         diagnostics.blended += push(&mut surface, &role, &mut step, &mut world);
+        diagnostics.awake += u32::from(surface.state.state.pushing.is_awake());
         diagnostics.parts += surface.state.state.pushing.parts().count() as u32;
     }
     diagnostics.duration = start.elapsed();

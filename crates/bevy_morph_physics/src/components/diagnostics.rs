@@ -13,6 +13,9 @@ pub struct MorphPhysicsDiagnostics {
     pub surfaces: u32,
     /// Surfaces that moved or morphed.
     pub moving: u32,
+    /// Surfaces that looked for triangles near a body, because it was in their box, and was awake or the surface moved. The others only
+    /// take their pose.
+    pub awake: u32,
     /// Parts of surfaces near bodies. Each part is a body in the physics world.
     pub parts: u32,
     /// Parts whose vertices were blended for the step.

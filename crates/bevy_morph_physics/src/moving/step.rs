@@ -4,7 +4,7 @@ use bevy::math::DVec3;
 use morph_collision::{Aabb, Body, Pose, ShapeQuery, WorldFromModel};
 use parry3d::bounding_volume::Aabb as ParryAabb;
 
-use super::moment::{Moment, Moments, posed_vertices};
+use super::moment::{Moment, Moments, displacement, posed_vertices};
 use super::surface::MovingSurface;
 use crate::math::{region, world_bounds};
 
@@ -25,9 +25,32 @@ impl MovingSurface {
         }
     }
 
-    /// The maximum distance that any vertex has travelled before the coming step.
-    pub fn travelled_before(&self) -> f64 {
-        self.travelled - if self.moves { self.displacement } else { 0.0 }
+    /// The maximum distance that any vertex moves during the coming step, in world units.
+    ///
+    /// Computed when it is first asked for: nobody asks while nothing is near.
+    pub fn displacement(&mut self) -> f64 {
+        let Self {
+            displacement: known,
+            moments: Moments { end, start, .. },
+            ..
+        } = self;
+        *known.get_or_insert_with(|| {
+            let displacement = displacement(start, &self.surface.lock().pose, end);
+            self.travelled += displacement;
+            displacement
+        })
+    }
+
+    /// The maximum distance that any vertex has travelled up to the end of the coming step. Only differences mean something, and only while
+    /// somebody asks in every step.
+    pub fn travelled(&mut self) -> f64 {
+        self.displacement();
+        self.travelled
+    }
+
+    /// The same before the coming step.
+    pub fn travelled_before(&mut self) -> f64 {
+        self.travelled() - if self.moves { self.displacement() } else { 0.0 }
     }
 
     /// A box around the surface during the coming step.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_morph_collision::physics_api::WeightsProblem;
-use morph_collision::{JointMatrices, MorphBvh, WorldFromModel};
+use morph_collision::{Body, JointMatrices, MorphBvh, WorldFromModel};
 
 use super::moment::{Moments, coordinates, displacement, pose};
 use super::prediction::Prediction;
@@ -29,10 +29,10 @@ pub struct MovingSurface {
     pub(super) moved_for: Option<f64>,
     /// The maximum change of a velocity per second, in world units per second. A faster change may be a jump.
     pub max_acceleration: f32,
-    /// The maximum distance that any vertex moves during the coming step, in world units.
-    pub displacement: f64,
-    /// The sum of all displacements so far.
-    pub travelled: f64,
+    /// The maximum distance that any vertex moves during the coming step, in world units; `None` until someone asks.
+    pub(super) displacement: Option<f64>,
+    /// The sum of the displacements that were asked for.
+    pub(super) travelled: f64,
     last_step: f32,
     /// How much of its change is motion in that step.
     share: f64,
@@ -80,7 +80,7 @@ impl MovingSurface {
             moved_for: None,
             // The first step sets it.
             max_acceleration: f32::INFINITY,
-            displacement: 0.0,
+            displacement: Some(0.0),
             travelled: 0.0,
             last_step: 0.0,
             share: 1.0,
@@ -130,6 +130,7 @@ impl MovingSurface {
         self.last_step = 0.0;
         // Otherwise, a frame near infinity would make `travelled` infinite, or too large to add to.
         self.travelled = 0.0;
+        self.displacement = Some(0.0);
         self.moves = false;
         self.drawn.forget();
     }
@@ -205,7 +206,7 @@ impl MovingSurface {
             self.reshaped |= !same_shape;
             self.moments.advance(&mut posed, world_from_model);
             if self.moves {
-                self.measure(&posed, &spans, teleports);
+                self.judge(&posed, &spans, teleports);
             }
         }
         if carried {
@@ -231,7 +232,7 @@ impl MovingSurface {
         self.moves = false;
         self.jumps = false;
         self.reshaped = first;
-        self.displacement = 0.0;
+        self.displacement = Some(0.0);
         Spans {
             coming: time.span,
             last_end,
@@ -281,11 +282,13 @@ impl MovingSurface {
         }
         // Rounding errors from removing the collider's transform are not a change.
         let size = coordinates(&mut posed.pose, world_from_model);
-        !first && size.is_finite() && next.displacement_from_pose(&mut posed.pose) <= 1e-6 * size
+        let place = WorldFromModel::IDENTITY;
+        let before = Body::new(&mut posed.pose, &place);
+        !first && size.is_finite() && Body::new(next, &place).moved_at_most(1e-6 * size, before)
     }
 
-    /// Finds out how far it moves in the step, and whether it jumps.
-    fn measure(&mut self, posed: &Posed, spans: &Spans, teleports: bool) {
+    /// Finds out whether it jumps. How far it moves is computed when something near it needs that.
+    fn judge(&mut self, posed: &Posed, spans: &Spans, teleports: bool) {
         let Moments { end, start, .. } = &mut self.moments;
         let span = spans.coming;
         self.jumps = teleports
@@ -293,16 +296,18 @@ impl MovingSurface {
                 let last_end = spans.last_end.filter(|&end| span.continues(end));
                 self.drawn.teleports_between(last_end.unwrap_or(span.begin), span.end)
             });
-        self.displacement = displacement(start, &posed.pose, end);
+        self.displacement = None;
         if let Some(span) = span.filter(|_| self.drawn.is_interpolated()) {
             self.moved_for = None;
             if spans.skip_changes() {
+                let jump = displacement(start, &posed.pose, end);
                 // Changes since the last step, before this span, are not motion.
                 start.set_from_history(&self.drawn, span.begin);
-                self.displacement = self.displacement.max(displacement(start, &posed.pose, end));
+                let displacement = jump.max(displacement(start, &posed.pose, end));
+                self.displacement = Some(displacement);
+                self.travelled += displacement;
             }
         }
-        self.travelled += self.displacement;
     }
 
     /// Reports a problem with weights once.

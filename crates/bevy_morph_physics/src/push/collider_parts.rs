@@ -39,7 +39,7 @@ impl<B, P: Default> ColliderParts<B, P> {
     /// Finds the triangles in a box. Returns whether there are any.
     pub(super) fn search(&mut self, region: Aabb, moving: &mut MovingSurface, query: &mut ShapeQuery) -> bool {
         self.region = region;
-        self.travelled = moving.travelled;
+        self.travelled = moving.travelled();
         self.triangles.clear();
         moving.triangles_in(&region, query, &mut self.triangles);
         !self.triangles.is_empty()

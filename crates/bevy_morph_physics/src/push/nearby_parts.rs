@@ -82,6 +82,11 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> NearbyParts<C, B, P> {
         self.near.is_empty()
     }
 
+    /// Whether triangles near a collider matter in the step, so that the surface does more than taking its pose.
+    pub fn is_awake(&self) -> bool {
+        !self.is_idle() && !self.listed[0].is_empty()
+    }
+
     /// Whether a collider was near in the last step.
     pub fn knows(&self, collider: C) -> bool {
         self.near.contains_key(&collider)
@@ -162,9 +167,9 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> NearbyParts<C, B, P> {
         self.listed[0].push(nearby.collider);
         // Covers the end positions of all vertices that come near during the step, plus a margin that saves searches in the next
         // steps.
-        let room = 3.0 * moving.displacement as f32 + 0.1 * nearby.bounds.extents().max_element();
+        let room = 3.0 * moving.displacement() as f32 + 0.1 * nearby.bounds.extents().max_element();
         let region = nearby.bounds.loosened(params.prediction + room);
-        let travelled = (moving.travelled - near.travelled) as f32;
+        let travelled = (moving.travelled() - near.travelled) as f32;
         let known = near
             .region
             .contains(&nearby.bounds.loosened(params.prediction + travelled));
@@ -182,7 +187,7 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> NearbyParts<C, B, P> {
         let near = near.or_insert_with(|| ColliderParts::new(nearby.body));
         near.seen = self.step;
         self.listed[0].push(nearby.collider);
-        let region = nearby.bounds.loosened(reach + moving.displacement as f32);
+        let region = nearby.bounds.loosened(reach + moving.displacement() as f32);
         self.searched = true;
         near.search(region, moving, &mut self.buffers.shapes)
     }

@@ -212,7 +212,7 @@ impl<C: Copy, B: Copy + Eq + Hash> Passage<C, B> {
         if !way.start.is_finite() || !way.end.is_finite() {
             return false;
         }
-        let reach = if fast.moves { moving.displacement } else { 0.0 };
+        let reach = if fast.moves { moving.displacement() } else { 0.0 };
         let (min, max) = (way.start.min(way.end).as_vec3(), way.start.max(way.end).as_vec3());
         let surroundings = Aabb::new(min.map(f32::next_down), max.map(f32::next_up));
         let surroundings = surroundings.loosened(((reach + fast.size) as f32).next_up());

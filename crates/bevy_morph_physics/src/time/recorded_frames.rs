@@ -120,10 +120,14 @@ impl<T: RecordedValue> RecordedFrames<T> {
                 .collect::<Vec<_>>()
         };
         let now = velocities(before, value, time);
+        let limit = f64::from(max_acceleration) * (time - before.time);
+        // Slow values are not compared with the frame before.
+        if continuous(&now, None, limit) {
+            return false;
+        }
         let earlier = last
             .next()
             .map(|earlier| velocities(earlier, &before.value, before.time));
-        let limit = f64::from(max_acceleration) * (time - before.time);
         !continuous(&now, earlier.as_deref(), limit)
     }
 

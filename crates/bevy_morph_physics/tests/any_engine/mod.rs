@@ -10,5 +10,6 @@ pub(crate) mod moving;
 mod presence;
 pub(crate) mod scene;
 pub(crate) mod schedules;
+mod sleep;
 pub(crate) mod solid;
 mod units;

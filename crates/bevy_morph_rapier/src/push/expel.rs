@@ -69,7 +69,6 @@ pub(crate) fn drive_apart(
         return;
     };
     expelling.begin(Some(&in_collider));
-    let travelled = moving.travelled;
     let bounds = local.transform_by(&isometry);
     let own_rests = !moving.moves && world.bodies.get(own).is_some_and(RigidBody::is_sleeping);
     let mut meeting = Vec::new();
@@ -92,6 +91,7 @@ pub(crate) fn drive_apart(
         }
         // All of this is in the collider's space, which moves with the body.
         enclosed.center = isometry.inverse_transform_point(enclosed.center.as_vec3()).as_dvec3();
+        let travelled = moving.travelled();
         let surface = SolidSurface {
             pose: &mut moving.surface.lock().pose,
             world_from_model: &in_collider,

@@ -138,7 +138,7 @@ impl Pushing {
         step: &Step,
         busy: bool,
         bounds: &Aabb,
-        moving: &MovingSurface,
+        moving: &mut MovingSurface,
         colliders: &mut ColliderSet,
     ) {
         let listening = step.listeners.listens || events.contains(ActiveEvents::COLLISION_EVENTS);
@@ -146,7 +146,9 @@ impl Pushing {
         if busy && (listening || events.contains(ActiveEvents::CONTACT_FORCE_EVENTS)) {
             // The surface reports its contacts as a whole, and parts without a name report nothing. Hooks receive the names of
             // colliders, so they need named parts.
-            let hooked = step.listeners.hooks_near(&bounds.loosened(moving.displacement as f32));
+            let hooked = step
+                .listeners
+                .hooks_near(&bounds.loosened(moving.displacement() as f32));
             self.repeats = listening && hooked;
             self.nameless = !hooked;
             if self.nameless {

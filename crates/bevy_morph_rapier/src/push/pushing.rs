@@ -72,6 +72,11 @@ impl Pushing {
         self.near.is_idle()
     }
 
+    /// Whether triangles near a collider matter in the step.
+    pub(crate) fn is_awake(&self) -> bool {
+        self.near.is_awake()
+    }
+
     /// The number of parts in the physics world.
     pub(crate) fn parts(&self) -> u32 {
         self.near.parts().count() as u32

@@ -91,6 +91,7 @@ impl ContextStep<'_> {
             stepping: self.now,
         };
         diagnostics.blended += push(it, &mut role, &step, world);
+        diagnostics.awake += u32::from(it.surface.state.pushing.is_awake());
         diagnostics.parts += it.surface.state.pushing.parts();
         expel(it, is_closed && it.settings.solid, &role, &step, world);
         self.links

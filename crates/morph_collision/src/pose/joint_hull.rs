@@ -18,12 +18,19 @@ use crate::model::Skin;
 #[derive(Clone, Debug, Default)]
 pub(super) struct JointHull {
     boxes: PartBoxes,
+    /// The box in world space, once it is known.
+    world: Option<Aabb>,
 }
 
 impl JointHull {
     /// Discards what depends on the weights, because they have changed.
     pub(super) fn invalidate(&mut self) {
         self.boxes.invalidate();
+    }
+
+    /// Discards what depends on joints, because they or the weights have changed.
+    pub(super) fn invalidate_world(&mut self) {
+        self.world = None;
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -34,7 +41,18 @@ impl JointHull {
     ///
     /// A vertex is the sum of its weights times a point in the hull of its joints' images. `error` is a bound on the rounding errors of
     /// vertices, which is larger than those of the hull.
+    ///
+    /// It is kept until joints or weights change, because a physics step asks for it several times.
     pub(super) fn around(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, error: f64) -> Aabb {
+        if let Some(known) = self.world {
+            return known;
+        }
+        let bounds = self.compute(tree, joints, error);
+        self.world = Some(bounds);
+        bounds
+    }
+
+    fn compute(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, error: f64) -> Aabb {
         let Some(boxes) = self.boxes(tree) else {
             return Aabb::UNBOUNDED;
         };

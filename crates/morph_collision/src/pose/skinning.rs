@@ -53,6 +53,7 @@ impl Skinning {
     /// Updates the state after a change of the joints or the weights. Returns the transform of the body's frame to the world.
     pub(super) fn change(&mut self, tree: SkinTree<'_>, weights_changed: bool) -> WorldFromModel {
         self.vertices.invalidate();
+        self.hull.invalidate_world();
         if weights_changed {
             self.hull.invalidate();
             self.outer.invalidate();

@@ -146,7 +146,7 @@ cookbook NAME:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --example dolphins --example crowd --example physics --example character --example slap
+    cargo build --workspace --example dolphins --example crowd --example physics --example character --example slap --example dust
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --headless --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
@@ -162,6 +162,9 @@ demo-check:
     slap=$("${CARGO_TARGET_DIR:-target}/debug/examples/slap" --headless --slaps 2 --json)
     echo "$slap"
     grep -Eq '"slaps": *2,"felt_discrete": *0,"felt_continuous": *2' <<< "$slap"
+    dust=$("${CARGO_TARGET_DIR:-target}/debug/examples/dust" --headless --frames 60 --json)
+    echo "$dust"
+    grep -Eq '"most_on_skin": *[1-9]' <<< "$dust"
 
 # Regenerates the pictures of README and docs, with or without a GPU or display.
 pictures:
@@ -175,6 +178,7 @@ pictures:
     draw face --bare --size 640x640 --at 60,192
     draw character --size 960x540 --at 66,200
     draw slap --size 960x540 --at 38
+    draw dust --size 960x540 --at 150
     draw picking --size 960x540 --at 60
     draw culling --size 960x540 --at 90
     draw physics --size 960x540 --at 180

@@ -1,9 +1,7 @@
 //! Ten thousand grains of dust fall on a dancing character, slide along its skin and fall off.
 //!
-//! One call of `MorphSpatialQuery::project_points` finds the skin near all grains. A projection knows its triangle, and from it the velocity
-//! of the skin: a raised arm throws the dust off. No physics engine takes part.
-//!
-//! `game` is what you would copy. With the feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
+//! One call of `MorphSpatialQuery::project_points` finds the skin near all grains, and projections know its velocity: a raised arm throws the
+//! dust off. `game` is what you would copy. With the feature `render` it is drawn, unless `--headless` asks for numbers.
 
 use std::{path::Path, process::ExitCode, time::Instant};
 
@@ -95,8 +93,8 @@ fn fall(
     dust.on_skin.clear();
     for (grain, near) in skin.iter().enumerate() {
         let (place, velocity) = (&mut dust.places[grain], &mut dust.velocities[grain]);
-        // Below zero inside the body.
-        let Some(near) = near.filter(|near| (*place - near.point).dot(near.normal) < RADIUS) else {
+        let is_inside = |near: &MorphProjection| (*place - near.point).dot(near.normal) < -0.7 * near.distance;
+        let Some(near) = near.filter(|near| near.distance < RADIUS || is_inside(near)) else {
             continue;
         };
         let of_skin = near.velocity(&spatial).unwrap_or_default();

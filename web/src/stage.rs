@@ -87,6 +87,7 @@ impl Stage {
         Some(match name {
             "dolphins" => demos::dolphins(Path::new("dolphin_2256.glb"), 12, false),
             "pass_through" => demos::pass_through(),
+            "dust" => demos::dust(),
             "face" => demos::face(),
             "picking" => demos::picking(),
             "culling" => demos::culling(),

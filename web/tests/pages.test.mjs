@@ -35,6 +35,7 @@ const FOUND = {
   face: `(state) => ${note("self-intersections")} > 0 && state.red > 0`,
   character: `(state) => ${note("parts near crates")} > 0 && ${note("hand on face")} >= 0`,
   slap: `(state) => ${note("felt, left")} === 0 && ${note("felt, right")} > 0`,
+  dust: `(state) => ${note("on the skin")} > 20`,
   picking: `(state) => ${note("triangle")} >= 0`,
   culling: `(state) => ${note("drawn, left")} < ${note("drawn, right")}`,
   physics: `(state) => ${note("parts of surfaces near")} > 0`,

@@ -288,7 +288,7 @@ mutations SECONDS="900" SEED="1":
 report *ARGS:
     {{lab}} report {{ARGS}} docs
 
-# Regenerates the tables and plots of a page in place: rapier, avian, characters, continuous or tolerance (--quick, --only TABLE).
+# Regenerates the tables and plots of a page in place: rapier, avian, characters, continuous, crowds or tolerance (--quick, --only TABLE).
 plugin-report PAGE *ARGS:
     cargo run --release -p morph_collision_workspace --example report -- {{PAGE}} {{ARGS}}
 
@@ -349,6 +349,19 @@ instructions-motion:
                 fi
             done
         done
+    done
+
+# Counts the instructions of a frame of a crowd in physics, in millions (needs valgrind). Default: all crowds of docs/crowds.md.
+instructions-crowds *WAYS:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release -p morph_collision_workspace --example report
+    report="${CARGO_TARGET_DIR:-target}/release/examples/report"
+    ways="{{WAYS}}"
+    for way in ${ways:-rapier rapier-surfaces rapier-walked avian avian-surfaces avian-walked}; do
+        output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_frames*' "$report" crowds --count $way 2>&1)
+        # Ten frames are counted.
+        awk -v way=$way -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-16s %8.3f\n", way, n / 10 / 1e6 }'
     done
 
 # Prints the table of docs/tool.md: what every command says about every model in assets/, ../shared/models and ../shared/field.

@@ -5,6 +5,7 @@
 mod avian;
 mod characters;
 mod continuous;
+mod crowds;
 mod model;
 mod physics;
 mod tolerance;
@@ -27,6 +28,9 @@ struct Options {
     /// The folder of the pages.
     #[arg(long, default_value = "docs")]
     docs: PathBuf,
+    /// Instead, run a few frames of this crowd, for tools that count instructions.
+    #[arg(long)]
+    count: Option<crowds::Way>,
     #[command(flatten)]
     sections: SectionOptions,
 }
@@ -39,6 +43,8 @@ enum Page {
     Characters,
     /// The longest updates with continuous bodies that collapse, blow up or slide over each other.
     Continuous,
+    /// Crowds in which nothing happens to most characters.
+    Crowds,
     /// Rapier's bodies on morphing surfaces.
     Rapier,
     /// Time against error for colliders with a tolerance.
@@ -66,12 +72,16 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), String> {
+    if let Some(way) = options.count {
+        return crowds::count(way);
+    }
     let quick = options.sections.quick;
     let store = Store::below(&options.docs);
     let mut sections: Vec<Section<'_>> = match options.page {
         Page::Avian => AVIAN.sections(quick),
         Page::Characters => characters::sections(quick),
         Page::Continuous => vec![("worst-updates", Box::new(move || continuous::table(quick)))],
+        Page::Crowds => crowds::sections(quick),
         Page::Rapier => RAPIER.sections(quick),
         Page::Tolerance => vec![("time-and-error", Box::new(move || tolerance::table(quick, &store)))],
     };

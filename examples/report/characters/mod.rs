@@ -9,6 +9,8 @@ mod touching;
 
 use morph_collision_testkit::report::Section;
 
+pub(crate) use stage::{Stage, frame_times, grid};
+
 /// The sections of the page.
 pub(crate) fn sections(quick: bool) -> Vec<Section<'static>> {
     vec![

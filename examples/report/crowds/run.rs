@@ -164,7 +164,9 @@ pub(super) fn times(quick: bool) -> Result<String, String> {
             }
         }
         let name = crowd.to_possible_value().map(|value| value.get_name().to_owned());
-        let medians = times.into_iter().map(|times| format!("{:.3}", median(times.into_iter())));
+        let medians = times
+            .into_iter()
+            .map(|times| format!("{:.3}", median(times.into_iter())));
         table.row(name.into_iter().chain(medians));
     }
     Ok(table.to_string())

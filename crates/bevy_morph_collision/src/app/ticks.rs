@@ -40,13 +40,19 @@ impl<'w> Column<'w> {
 
     /// Whether it happened to a row since the system last ran.
     pub(crate) fn is_new(&self, row: usize) -> bool {
-        self.ticks[row].is_newer_than(self.last_run, self.this_run)
+        self.any_new_in(row..row + 1)
     }
 
     /// Whether it happened to any of these rows, at most [`BLOCK`] of them.
     pub(crate) fn any_new_in(&self, rows: Range<usize>) -> bool {
-        let is_new = |tick: &Tick| tick.is_newer_than(self.last_run, self.this_run);
-        self.ticks[rows].iter().fold(false, |any, tick| any | is_new(tick))
+        let now = self.this_run.get();
+        let age = now.wrapping_sub(self.last_run.get());
+        // As `Tick::is_newer_than`, but for the largest age, which Bevy's own checks keep all ticks below.
+        let mut any = false;
+        for tick in &self.ticks[rows] {
+            any |= now.wrapping_sub(tick.get()) < age;
+        }
+        any
     }
 
     /// Whether it happened to any row.
@@ -138,7 +144,10 @@ mod tests {
             assert!(rows.replace(first.into_iter()));
             assert!(!rows.replace(other.iter().copied()), "{other:?}");
             assert!(rows.replace(other.iter().copied()), "{other:?}");
-            assert_eq!(rows.len(), other.iter().map(|(entities, _)| entities.len()).sum::<usize>());
+            assert_eq!(
+                rows.len(),
+                other.iter().map(|(entities, _)| entities.len()).sum::<usize>()
+            );
         }
     }
 }

@@ -45,12 +45,7 @@ impl Visits<'_, '_> {
         changed.clear();
         let tables = || self.columns.contiguous_iter().ok().into_iter().flatten();
         let lists = tables().map(|(entities, _, _, layers, body, shape, disabled)| {
-            let has = has([
-                layers.is_some(),
-                body.is_some(),
-                shape.is_some(),
-                disabled.is_some(),
-            ]);
+            let has = has([layers.is_some(), body.is_some(), shape.is_some(), disabled.is_some()]);
             (entities, has)
         });
         // A collider that was removed and added again has a new state.

@@ -3,9 +3,7 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::state::{
-    ColliderNews, ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Moved, RunTimes, Runs,
-};
+use crate::state::{ColliderNews, ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Moved, RunTimes, Runs};
 
 /// Begins a run: saves the current state of every mesh as its previous state.
 ///

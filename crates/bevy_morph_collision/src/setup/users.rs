@@ -173,7 +173,13 @@ pub(crate) fn hand_out_trees(
     let start = Instant::now();
     let tables = || columns.contiguous_iter().ok().into_iter().flatten();
     let lists = tables().map(|(entities, _, mesh, options, skin, has_shape, has_weights)| {
-        let has = has([mesh.is_some(), options.is_some(), skin.is_some(), has_shape, has_weights]);
+        let has = has([
+            mesh.is_some(),
+            options.is_some(),
+            skin.is_some(),
+            has_shape,
+            has_weights,
+        ]);
         (entities, has)
     });
     let are_same = columns.contiguous_iter().is_ok() && rows.replace(lists);

@@ -368,6 +368,21 @@ instructions-crowds *WAYS:
         awk -v way=$way -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-16s %8.3f\n", way, n / 10 / 1e6 }'
     done
 
+# Counts the instructions of a frame of a crowd of docs/crowds.md (idle, moving, dense or clip; with nothing, collisions or bounds), in thousands: all, and the plugin's systems (needs valgrind).
+instructions-run CROWD="idle" WITH="collisions":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build -p morph_collision_workspace --example report
+    counts=$(mktemp)
+    trap 'rm "$counts"' EXIT
+    valgrind --tool=callgrind "--callgrind-out-file=$counts" '--toggle-collect=*counted_update*' \
+        "${CARGO_TARGET_DIR:-target}/debug/examples/report" crowds --count-run {{CROWD}} --with {{WITH}} 2>&1 |
+        awk '/Collected : / { printf "%10.1f all\n", $NF / 4 / 1000 }'
+    # Four frames are counted. A system's function may be inlined, but not the one that runs it, whose type names it last.
+    callgrind_annotate --inclusive=yes --threshold=100 "$counts" |
+        sed -n 's/^ *\([0-9,]*\) .*, bevy_morph_collision\(\(::[a-z_]*\)*\)> as bevy_ecs::system::system::System>::run_unsafe \[.*/\1 \2/p' |
+        awk '{ gsub(",", "", $1); sub("^.*::", "", $2); printf "%10.1f %s\n", $1 / 4 / 1000, $2; sum += $1 } END { printf "%10.1f all systems\n", sum / 4 / 1000 }'
+
 # Prints the table of docs/tool.md: what every command says about every model in assets/, ../shared/models and ../shared/field.
 tool-table:
     #!/usr/bin/env bash

@@ -31,6 +31,12 @@ struct Options {
     /// Instead, run a few frames of this crowd, for tools that count instructions.
     #[arg(long)]
     count: Option<crowds::Way>,
+    /// The same for a crowd around whose queries a frame is counted.
+    #[arg(long)]
+    count_run: Option<crowds::Crowd>,
+    /// What there is besides Bevy in that crowd.
+    #[arg(long, default_value = "collisions")]
+    with: crowds::With,
     #[command(flatten)]
     sections: SectionOptions,
 }
@@ -74,6 +80,9 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<(), String> {
     if let Some(way) = options.count {
         return crowds::count(way);
+    }
+    if let Some(crowd) = options.count_run {
+        return crowds::count_run(crowd, options.with);
     }
     let quick = options.sections.quick;
     let store = Store::below(&options.docs);

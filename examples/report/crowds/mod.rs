@@ -1,12 +1,17 @@
 //! What a crowd of skinned characters costs in a frame while nothing happens to most of them.
 
 mod physics;
+mod run;
 
 use morph_collision_testkit::report::Section;
 
 pub(crate) use physics::{Way, count};
+pub(crate) use run::{Crowd, With, count as count_run};
 
 /// The sections of the page.
 pub(crate) fn sections(quick: bool) -> Vec<Section<'static>> {
-    vec![("physics-time", Box::new(move || physics::times(quick)))]
+    vec![
+        ("run-time", Box::new(move || run::times(quick))),
+        ("physics-time", Box::new(move || physics::times(quick))),
+    ]
 }

@@ -1,7 +1,7 @@
 //! The app around the plugin.
 //!
 //! - `systems`: the system sets. `state_of`: gives the plugin's state to entities. `schedules`: which schedules are fixed.
-//! - `workers`: Bevy's threads.
+//! - `workers`: Bevy's threads. `ticks`: whether columns of components changed.
 //! - `missing`, `suspects`: what is logged about missing plugins and likely mistakes. `names`: what messages call entities and assets.
 
 mod missing;
@@ -10,6 +10,7 @@ mod schedules;
 mod state_of;
 mod suspects;
 mod systems;
+mod ticks;
 mod workers;
 
 pub(crate) use missing::InGroup;
@@ -20,4 +21,5 @@ pub use schedules::is_fixed;
 pub(crate) use state_of::require_state;
 pub(crate) use suspects::{PATIENCE, Suspects, WarnOnce};
 pub use systems::MorphCollisionSystems;
+pub(crate) use ticks::{BLOCK, Column, Rows, any_added, any_changed, has, ran_long_ago};
 pub use workers::TaskPoolWorkers;

@@ -9,11 +9,14 @@ use tracing::{debug_span, error};
 
 use super::swept_pairs::SweptPairs;
 use super::teleports::Teleports;
+use super::visits::{Visited, Visits};
 use crate::app::Names;
 use crate::components::{
     MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape, body_of,
 };
-use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Placement, Runs, Skip};
+use crate::state::{
+    ColliderNews, ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Moved, Placement, Runs, Skip,
+};
 
 /// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
 #[derive(Resource, Default)]
@@ -31,6 +34,32 @@ pub(crate) struct Candidates {
     bounds: Vec<Option<Aabb>>,
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
+    tally: Tally,
+}
+
+/// How many colliders there are.
+#[derive(Default)]
+struct Tally {
+    /// Those that take part.
+    present: usize,
+    /// Those among them that are continuous.
+    continuous: usize,
+    /// Those that collisions see in an earlier state.
+    held: u64,
+}
+
+impl Tally {
+    fn add(&mut self, state: &ColliderState) {
+        self.present += usize::from(state.placed.is_some());
+        self.continuous += usize::from(state.placed.is_some_and(|placed| placed.continuous));
+        self.held += u64::from(state.freshness.is_held_back());
+    }
+
+    fn remove(&mut self, state: &ColliderState) {
+        self.present -= usize::from(state.placed.is_some());
+        self.continuous -= usize::from(state.placed.is_some_and(|placed| placed.continuous));
+        self.held -= u64::from(state.freshness.is_held_back());
+    }
 }
 
 /// What happened to overlapping pairs.
@@ -64,6 +93,8 @@ pub(crate) struct Participant {
 /// left out and logged once, until the transform is finite again. Transforms of skinned meshes do not matter.
 pub(crate) fn find_candidates(
     mut colliders: Query<Participant>,
+    mut visits: Visits,
+    mut news: ResMut<ColliderNews>,
     names: Names,
     mut teleports: Teleports,
     mut candidates: ResMut<Candidates>,
@@ -73,40 +104,45 @@ pub(crate) fn find_candidates(
     let start = Instant::now();
     let _span = debug_span!("morph_collision::broad_phase").entered();
     let candidates = &mut *candidates;
-    runs.begin();
-    let mut present = 0;
-    let (mut changed, mut any_moved, mut any_continuous) = (false, false, false);
-    for mut participant in &mut colliders {
-        any_continuous |= participant.collider.continuous;
-        let was_absent = participant.state.freshness.see(&runs);
-        if !was_absent && participant.rests() {
-            present += 1;
-            continue;
-        }
-        let reposed = participant.state.freshness.bounds_are_old() && participant.state.pose.is_some();
-        diagnostics.stats.nodes_blended += u64::from(reposed);
-        let placement = participant.place(was_absent);
-        let state = &mut *participant.state;
-        let bad_placement = placement.is_err();
-        let placed = placement.unwrap_or_else(|error| {
-            if !state.bad_placement {
-                let name = names.with_file(participant.entity);
-                error!("entity {name} is left out of collisions: {error}");
+    let (mut changed, mut any_moved) = (false, false);
+    let mut reposed = std::mem::take(&mut news.reposed);
+    let visited = visits.find(&reposed);
+    runs.begin(!matches!(visited, Visited::All { are_same: false }));
+    let mut visit = |participant: &mut ParticipantItem| {
+        let visit = participant.visit(&runs, &names, &mut diagnostics);
+        changed |= visit.changed;
+        any_moved |= visit.moved;
+    };
+    let tally = &mut candidates.tally;
+    match visited {
+        Visited::All { .. } => {
+            *tally = Tally::default();
+            for mut participant in &mut colliders {
+                visit(&mut participant);
+                tally.add(&participant.state);
             }
-            None
-        });
-        state.bad_placement = bad_placement;
-        if was_absent || placed != state.placed {
-            any_moved = true;
-            state.freshness.placement_changed();
         }
-        let took_part = std::mem::replace(&mut state.placed, placed).is_some();
-        let is_held_back = state.hold(was_absent, participant.collider.tolerance);
-        diagnostics.held_colliders += u64::from(is_held_back);
-        changed |= state.freshness.answers_are_old() && (placed.is_some() || took_part);
-        present += usize::from(placed.is_some());
+        Visited::Some(entities) => {
+            for &entity in entities {
+                if let Ok(mut participant) = colliders.get_mut(entity) {
+                    tally.remove(&participant.state);
+                    visit(&mut participant);
+                    tally.add(&participant.state);
+                }
+            }
+        }
     }
-    runs.placed(changed || present != candidates.colliders.len(), any_moved);
+    // Their state differs from the one before this run.
+    news.moved = match visited {
+        Visited::Some(entities) => Moved::Some(entities.to_vec()),
+        Visited::All { .. } if any_moved || !reposed.is_empty() => Moved::All,
+        Visited::All { .. } => Moved::default(),
+    };
+    reposed.clear();
+    news.reposed = reposed;
+    diagnostics.held_colliders = tally.held;
+    let any_continuous = tally.continuous > 0;
+    runs.placed(changed || tally.present != candidates.colliders.len(), any_moved);
     let elsewhere = teleports.take();
     let is_interrupted = runs.take_interruption();
     candidates.swept.clear();
@@ -140,7 +176,51 @@ pub(crate) fn find_candidates(
     diagnostics.duration += start.elapsed();
 }
 
+/// Whether anything about a collider changed.
+#[derive(Default)]
+struct Visit {
+    /// Something that affects answers.
+    changed: bool,
+    /// Its placement, or whether it was read.
+    moved: bool,
+}
+
 impl ParticipantItem<'_, '_> {
+    /// Places a collider, unless it rests.
+    fn visit(&mut self, runs: &Runs, names: &Names, diagnostics: &mut MorphCollisionDiagnostics) -> Visit {
+        let was_absent = self.state.freshness.see(runs);
+        if !was_absent && self.rests() {
+            return Visit::default();
+        }
+        let reposed = self.state.freshness.bounds_are_old() && self.state.pose.is_some();
+        diagnostics.stats.nodes_blended += u64::from(reposed);
+        let placement = self.place(was_absent);
+        let state = &mut *self.state;
+        let bad_placement = placement.is_err();
+        let placed = placement.unwrap_or_else(|error| {
+            if !state.bad_placement {
+                let name = names.with_file(self.entity);
+                error!("entity {name} is left out of collisions: {error}");
+            }
+            None
+        });
+        state.bad_placement = bad_placement;
+        if was_absent {
+            // It has no state of the last run.
+            state.previous.world_from_model = None;
+        }
+        let moved = was_absent || placed != state.placed;
+        if moved {
+            state.freshness.placement_changed();
+        }
+        let took_part = std::mem::replace(&mut state.placed, placed).is_some();
+        state.hold(was_absent, self.collider.tolerance);
+        Visit {
+            changed: state.freshness.answers_are_old() && (placed.is_some() || took_part),
+            moved,
+        }
+    }
+
     /// Whether nothing about a collider has changed since the last run: its place, its settings, and anything else it depends on.
     fn rests(&self) -> bool {
         let Some(placed) = &self.state.placed else { return false };

@@ -1,11 +1,12 @@
 //! Places colliders in the world and finds pairs that are close enough to compare.
 //!
-//! - `candidates`: pairs whose boxes overlap.
+//! - `candidates`: pairs whose boxes overlap. `visits`: which colliders have to be placed anew.
 //! - `swept_pairs`: pairs that may touch on their way from the last run. `teleports`: colliders that were put somewhere else, and have no way.
 
 mod candidates;
 mod swept_pairs;
 mod teleports;
+mod visits;
 
 use bevy::prelude::*;
 

@@ -38,6 +38,8 @@ pub(crate) struct NarrowPhase {
     /// Where colliders of continuous pairs were in the last run.
     starts: Starts,
     outcomes: Vec<(Pair, Outcome)>,
+    /// The number of triangle pairs in all contacts.
+    triangle_pairs: u64,
 }
 
 /// Finds out for every candidate pair whether and where it touches. Queries all pairs of meshes at once, on Bevy's threads.
@@ -70,11 +72,12 @@ pub(crate) fn find_contacts(
             let took_part = state.placed.is_some();
             state.freshness.compared(took_part);
         }
+        let triangles = collisions.iter().map(|contact| contact.triangles.len() as u64);
+        phase.triangle_pairs = triangles.sum();
     } else {
         diagnostics.skipped_unchanged = candidates.pairs.len() as u64;
     }
-    let triangles = collisions.iter().map(|contact| contact.triangles.len() as u64);
-    diagnostics.triangle_pairs = triangles.sum();
+    diagnostics.triangle_pairs = phase.triangle_pairs;
     diagnostics.touching_pairs = collisions.len() as u64;
     diagnostics.duration += start.elapsed();
 }
@@ -103,8 +106,15 @@ impl NarrowPhase {
         contacts: &MorphCollisions,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> u64 {
+        let mut involved: Vec<Entity> = (candidates.pairs.iter().chain(&candidates.swept.pairs))
+            .flat_map(|&(a, b)| [a, b])
+            .collect();
+        involved.sort_unstable();
+        involved.dedup();
+        let is_involved = |entity: Entity| involved.binary_search(&entity).is_ok();
         let mut placed: Vec<_> = colliders
             .iter_mut()
+            .filter(|(entity, _)| is_involved(*entity))
             .filter_map(|(entity, state)| PlacedCollider::new(entity, state.into_inner()))
             .collect();
         placed.sort_unstable_by_key(|collider| collider.entity);
@@ -185,6 +195,7 @@ impl NarrowPhase {
             next_memories,
             starts: _,
             outcomes,
+            triangle_pairs: _,
         } = self;
         keep_memories(comparisons, contacts, memories, next_memories);
         let mut memories = memories.iter_mut().peekable();

@@ -8,7 +8,7 @@ use tracing::{debug_span, error};
 use super::skeletons::{BindPoses, Skeletons};
 use crate::app::Names;
 use crate::components::MorphCollider;
-use crate::state::{ColliderState, MorphCollisionDiagnostics};
+use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics};
 
 /// Gives every skinned pose the joint matrices with which its mesh is drawn.
 ///
@@ -20,6 +20,7 @@ pub(crate) fn read_joints(
     bind_poses: Option<Res<BindPoses>>,
     names: Names,
     mut skeletons: Local<Skeletons>,
+    mut news: ResMut<ColliderNews>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
@@ -51,6 +52,7 @@ pub(crate) fn read_joints(
             state.has_joints = true;
             if changed {
                 state.freshness.pose_changed();
+                news.reposed.push(entity);
             }
         }
     }

@@ -2,16 +2,17 @@
 
 use bevy::platform::time::Instant;
 
+use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use morph_collision::{Pose, WeightsError};
 use thiserror::Error;
 use tracing::{debug_span, error};
 
-use crate::app::Names;
+use crate::app::{Names, Rows, any_changed, ran_long_ago};
 use crate::components::MorphCollider;
 use crate::import::MorphTrees;
-use crate::state::{BadWeights, ColliderState, LockedPose, MorphCollisionDiagnostics};
+use crate::state::{BadWeights, ColliderNews, ColliderState, LockedPose, MorphCollisionDiagnostics};
 
 /// Why weights cannot be used.
 #[derive(Debug, Error)]
@@ -32,22 +33,58 @@ impl WeightsProblem {
     }
 }
 
+/// Whether any weights changed.
+#[derive(SystemParam)]
+pub(crate) struct WeightChanges<'w, 's> {
+    own: Query<'w, 's, Ref<'static, MeshMorphWeights>, With<MorphCollider>>,
+    shared: Query<'w, 's, (Entity, Ref<'static, MorphWeights>)>,
+    rows: Local<'s, Rows>,
+    ticks: SystemChangeTick,
+}
+
+impl WeightChanges<'_, '_> {
+    /// Whether any weights changed, came or went since the last run.
+    fn any(&mut self) -> bool {
+        let (Ok(mut own), Ok(mut shared), Ok(sources)) = (
+            self.own.contiguous_iter(),
+            self.shared.contiguous_iter(),
+            self.shared.contiguous_iter(),
+        ) else {
+            return true;
+        };
+        let are_same = self.rows.replace(sources.map(|(entities, _)| (entities, 0)));
+        !are_same
+            || ran_long_ago(&self.ticks)
+            || own.any(|weights| any_changed(Some(&weights)))
+            || shared.any(|(_, weights)| any_changed(Some(&weights)))
+    }
+}
+
 /// Gives every pose the weights with which its mesh is drawn.
 ///
 /// Weights are compared by value, because change detection fires every frame while an animation player exists. Without
 /// [`MeshMorphWeights`], a mesh is drawn, and collides, in its rest pose. Invalid weights are logged once until they are valid
 /// again; the last valid ones stay in use. A wrong number of weights is only logged after several runs, and not while another
-/// tree of the mesh is being built.
+/// tree of the mesh is being built. Reads nothing if nobody's weights, and no pose, changed since the last run.
 pub(crate) fn read_weights(
     mut colliders: Query<(Entity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
     names: Names,
     shared: Query<&MorphWeights>,
+    mut changes: WeightChanges,
     trees: Res<MorphTrees>,
+    mut news: ResMut<ColliderNews>,
     mut rest: Local<Vec<f32>>,
+    mut any_bad: Local<bool>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::weights").entered();
+    // Bad weights are reported after some runs.
+    if !changes.any() && !news.are_others && news.reposed.is_empty() && !*any_bad {
+        diagnostics.duration += start.elapsed();
+        return;
+    }
+    *any_bad = false;
     for (entity, mut state, weights) in &mut colliders {
         let state = &mut *state;
         let Some(pose) = state.pose.as_mut().map(LockedPose::get_mut) else {
@@ -62,9 +99,11 @@ pub(crate) fn read_weights(
                 state.bad_weights = BadWeights::default();
                 if changed {
                     state.freshness.pose_changed();
+                    news.reposed.push(entity);
                 }
             }
             Err(problem) => {
+                *any_bad = true;
                 let bad = &mut state.bad_weights;
                 let is_news = if problem.is_count() {
                     bad.wrong_count(state.tree.is_some_and(|key| trees.is_coming(key)))

@@ -8,7 +8,8 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::scene_part::ScenePart;
-use super::users::TreeUser;
+use super::users::{TreeUser, UseColumns, any_use_changed};
+use crate::app::any_changed;
 use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
 use crate::import::{ImportError, MorphTrees};
 use crate::state::{ColliderState, Readiness};
@@ -85,21 +86,7 @@ pub(crate) struct Parts {
     is_news: bool,
 }
 
-/// Changes after which a collider may become ready or stop being ready.
-type ColliderNews = (
-    Or<(
-        Added<MorphCollider>,
-        Added<MorphShape>,
-        Changed<Mesh3d>,
-        Changed<MorphTreeOptions>,
-        Changed<SkinnedMesh>,
-        Changed<ScenePart>,
-    )>,
-    With<MorphCollider>,
-    Allow<Disabled>,
-);
-
-/// Removals with the same effect.
+/// Removals after which a collider may become ready or stop being ready.
 #[derive(SystemParam)]
 pub(crate) struct Removals<'w, 's> {
     colliders: RemovedComponents<'w, 's, MorphCollider>,
@@ -124,7 +111,8 @@ pub(crate) fn report_readiness(
         (Entity, TreeUser, &mut ColliderState, Option<&ScenePart>, Has<Disabled>),
         (With<MorphCollider>, Allow<Disabled>),
     >,
-    changed: Query<(), ColliderNews>,
+    columns: Query<UseColumns>,
+    parts: Query<(Ref<ScenePart>, Has<Disabled>), With<MorphCollider>>,
     mut removals: Removals,
     mut trees: ResMut<MorphTrees>,
     mut version: Local<u64>,
@@ -132,7 +120,11 @@ pub(crate) fn report_readiness(
 ) {
     let news = trees.bypass_change_detection().take_news();
     let is_same = std::mem::replace(&mut *version, trees.version()) == trees.version();
-    if removals.read() == 0 && is_same && news.is_empty() && changed.is_empty() {
+    let part_changed = || {
+        let tables = parts.contiguous_iter();
+        tables.map_or(true, |mut tables| tables.any(|(part, _)| any_changed(Some(&part))))
+    };
+    if removals.read() == 0 && is_same && news.is_empty() && !any_use_changed(&columns) && !part_changed() {
         return;
     }
     let mut now = EntityHashMap::<Parts>::default();

@@ -15,7 +15,7 @@ use super::given::should_update;
 use super::hierarchy::Hierarchy;
 use super::open_scenes::OpenScenes;
 use super::scene_part::ScenePart;
-use crate::app::Suspects;
+use crate::app::{Suspects, any_added, any_changed};
 use crate::components::{
     MorphCollider, MorphColliderOf, MorphColliderScene, MorphCollisionEventsEnabled, MorphCollisionLayers, body_of,
     give_body,
@@ -39,6 +39,45 @@ pub(crate) struct PartNow {
 
 /// Meshes and parts, including those of disabled entities, so that they are up to date when they are enabled again.
 type PartQuery<'w, 's> = Query<'w, 's, PartNow, (Or<(With<Mesh3d>, With<ScenePart>)>, Allow<Disabled>)>;
+
+/// The columns of the components in [`PartNews`].
+type PartColumns = (
+    Option<Ref<'static, Mesh3d>>,
+    Option<Ref<'static, MeshMorphWeights>>,
+    Option<Ref<'static, SkinnedMesh>>,
+    Option<Ref<'static, MorphCollider>>,
+    Option<Ref<'static, ChildOf>>,
+    Option<Ref<'static, Name>>,
+    Option<Ref<'static, MorphColliderScene>>,
+    Has<Disabled>,
+);
+
+/// Tables with any of these components.
+type HasPartColumn = Or<(
+    With<Mesh3d>,
+    With<MeshMorphWeights>,
+    With<SkinnedMesh>,
+    With<MorphCollider>,
+    With<ChildOf>,
+    With<Name>,
+    With<MorphColliderScene>,
+)>;
+
+/// Whether there may be any [`PartNews`].
+fn any_news(columns: &Query<PartColumns, HasPartColumn>) -> bool {
+    let Ok(mut tables) = columns.contiguous_iter() else {
+        return true;
+    };
+    tables.any(|(mesh, weights, skin, collider, parent, name, scene, _)| {
+        any_added(mesh.as_ref())
+            || any_added(weights.as_ref())
+            || any_added(skin.as_ref())
+            || any_added(collider.as_ref())
+            || any_changed(parent.as_ref())
+            || any_changed(name.as_ref())
+            || any_changed(scene.as_ref())
+    })
+}
 
 /// Changes that may turn a mesh, or a mesh below, into a part.
 type PartNews = (
@@ -80,6 +119,7 @@ impl PartRemovals<'_, '_> {
 pub(crate) fn update_scene_parts(
     mut commands: Commands,
     hierarchy: Hierarchy,
+    columns: Query<PartColumns, HasPartColumn>,
     news: Query<Entity, PartNews>,
     mut removals: PartRemovals,
     parts: PartQuery,
@@ -90,8 +130,9 @@ pub(crate) fn update_scene_parts(
 ) {
     let start = Instant::now();
     let removed: Vec<Entity> = removals.read().collect();
-    // Without a scene there are no parts. The search for news would look at every mesh.
-    if removed.is_empty() && hierarchy.scenes.is_empty() {
+    // Without a scene there are no parts. The search for news looks at every mesh.
+    if removed.is_empty() && (hierarchy.scenes.is_empty() || !any_news(&columns)) {
+        preparation.0 += start.elapsed();
         return;
     }
     let mut roots = EntityHashSet::default();

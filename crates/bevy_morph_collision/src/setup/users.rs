@@ -2,16 +2,17 @@
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::{Allow, QueryData};
-use bevy::ecs::system::SystemParam;
+use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use crate::app::{Rows, any_added, any_changed, has, ran_long_ago};
 use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
 use crate::import::{MorphTrees, TreeKey};
-use crate::state::{ColliderState, MorphCollisionDiagnostics, Preparation, Runs};
+use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics, Preparation, Runs};
 
 /// The components that determine a collider's tree.
 #[derive(QueryData)]
@@ -29,6 +30,30 @@ impl TreeUserItem<'_, '_> {
         let mesh = self.mesh.filter(|_| !self.has_shape)?;
         Some(TreeKey::of(mesh, self.options, self.skin))
     }
+}
+
+/// The columns of the components that determine which tree a collider uses.
+pub(super) type UseColumns = (
+    Ref<'static, MorphCollider>,
+    Option<Ref<'static, Mesh3d>>,
+    Option<Ref<'static, MorphTreeOptions>>,
+    Option<Ref<'static, SkinnedMesh>>,
+    Option<Ref<'static, MorphShape>>,
+    Has<Disabled>,
+);
+
+/// Whether any collider may need another tree than before because a component was added or changed.
+pub(super) fn any_use_changed(columns: &Query<UseColumns>) -> bool {
+    let Ok(mut tables) = columns.contiguous_iter() else {
+        return true;
+    };
+    tables.any(|(collider, mesh, options, skin, shape, _)| {
+        any_added(Some(&collider))
+            || any_changed(mesh.as_ref())
+            || any_changed(options.as_ref())
+            || any_changed(skin.as_ref())
+            || any_added(shape.as_ref())
+    })
 }
 
 /// Colliders that may need another tree from before.
@@ -63,6 +88,7 @@ impl UsesLess<'_, '_> {
 /// It looks only at colliders that changed, found by their change ticks, unless any collider may need its tree again.
 pub(crate) fn request_trees(
     colliders: Query<(Entity, TreeUser), With<MorphCollider>>,
+    columns: Query<UseColumns>,
     changed: Query<(Entity, TreeUser, Has<Disabled>), UsesAnother>,
     mut less: UsesLess,
     mut enabled: RemovedComponents<Disabled>,
@@ -72,7 +98,8 @@ pub(crate) fn request_trees(
     let start = Instant::now();
     // Disabled entities did not notice when their trees were dropped.
     let anew = trees.is_stale() || enabled.read().count() > 0;
-    for (entity, user, is_disabled) in &changed {
+    let changed = any_use_changed(&columns).then(|| changed.iter()).into_iter().flatten();
+    for (entity, user, is_disabled) in changed {
         trees.bypass_change_detection().uses_changed();
         if let Some(key) = user.key().filter(|_| !is_disabled) {
             trees.request(key, entity);
@@ -117,31 +144,70 @@ pub(crate) fn drop_unused_trees(
 #[derive(Resource)]
 pub(crate) struct Culls;
 
-/// Gives colliders whose mesh or tree changed a new pose, or none while there is no tree.
+/// The columns of the components that determine the pose of a collider.
+type PoseColumns = (
+    Entity,
+    Ref<'static, MorphCollider>,
+    Option<Ref<'static, Mesh3d>>,
+    Option<Ref<'static, MorphTreeOptions>>,
+    Option<Ref<'static, SkinnedMesh>>,
+    Has<MorphShape>,
+    Has<MeshMorphWeights>,
+);
+
+/// Gives colliders whose mesh or tree changed a new pose, or none while there is no tree. Says whether the colliders are others than in
+/// the last run.
 ///
-/// Compares mesh and settings by value, because this system may run less often than Bevy keeps change ticks, and does not see
-/// disabled entities.
+/// Compares mesh and settings by value, because it does not see what changed about disabled entities.
 pub(crate) fn hand_out_trees(
     mut colliders: Query<(Entity, TreeUser, &mut ColliderState), With<MorphCollider>>,
+    columns: Query<PoseColumns, With<ColliderState>>,
+    mut rows: Local<Rows>,
+    ticks: SystemChangeTick,
     runs: Res<Runs>,
     mut trees: ResMut<MorphTrees>,
     mut version: Local<u64>,
+    mut news: ResMut<ColliderNews>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
+    let tables = || columns.contiguous_iter().ok().into_iter().flatten();
+    let lists = tables().map(|(entities, _, mesh, options, skin, has_shape, has_weights)| {
+        let has = has([
+            mesh.is_some(),
+            options.is_some(),
+            skin.is_some(),
+            has_shape,
+            has_weights,
+        ]);
+        (entities, has)
+    });
+    let are_same = columns.contiguous_iter().is_ok() && rows.replace(lists);
+    news.are_others = !are_same || ran_long_ago(&ticks);
+    let mut all = tables();
+    let any_changed = all.any(|(_, collider, mesh, options, skin, ..)| {
+        any_added(Some(&collider))
+            || any_changed(mesh.as_ref())
+            || any_changed(options.as_ref())
+            || any_changed(skin.as_ref())
+    });
     let every = *version != trees.version();
     *version = trees.version();
-    for (entity, user, mut state) in &mut colliders {
-        let was_away = !state.freshness.is_seen(&runs);
-        let key = user.key();
-        if !every && !was_away && state.tree == key {
-            continue;
+    if news.are_others || any_changed || every {
+        for (entity, user, mut state) in &mut colliders {
+            let was_away = !state.freshness.is_seen(&runs);
+            let key = user.key();
+            if !every && !was_away && state.tree == key {
+                continue;
+            }
+            if let Some(key) = key.filter(|_| was_away) {
+                trees.request(key, entity);
+            }
+            let tree = key.and_then(|key| trees.tree(key));
+            if state.take_tree(key, tree) {
+                news.reposed.push(entity);
+            }
         }
-        if let Some(key) = key.filter(|_| was_away) {
-            trees.request(key, entity);
-        }
-        let tree = key.and_then(|key| trees.tree(key));
-        state.take_tree(key, tree);
     }
     diagnostics.duration += start.elapsed();
 }

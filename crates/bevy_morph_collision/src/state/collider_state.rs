@@ -91,8 +91,8 @@ impl ColliderState {
     }
 
     /// Gives the collider a new pose if its tree is another one, or takes its pose if there is no tree. `key` is the tree that it has or
-    /// waits for.
-    pub(crate) fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
+    /// waits for. Returns whether the pose is another one.
+    pub(crate) fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) -> bool {
         self.tree = key;
         let mut before = self.pose.take();
         let is_current = match (tree, before.as_mut().map(|pose| pose.get_mut().bvh())) {
@@ -102,7 +102,7 @@ impl ColliderState {
         };
         if is_current {
             self.pose = before;
-            return;
+            return false;
         }
         let before = before.as_mut().map(LockedPose::get_mut);
         let mut pose = tree.map(|tree| Pose::new(tree.clone()));
@@ -120,6 +120,7 @@ impl ColliderState {
         self.has_joints = matches!(carried, Some(Ok(_)));
         self.pose = pose.map(LockedPose::new);
         self.freshness.pose_changed();
+        true
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Freshness {
     answers_are_old: bool,
     /// Whether the collider has changed since the earlier state was taken that collisions see.
     is_held_back: bool,
-    /// The last run in which the collider was read. Disabled entities are not read.
+    /// [`Runs::number`] when the collider was last read. Disabled entities are not read.
     seen: u32,
 }
 
@@ -81,7 +81,7 @@ impl Freshness {
 
     /// The collider is read in this run. Returns whether it was not in the run before.
     pub(crate) fn see(&mut self, runs: &Runs) -> bool {
-        let was_absent = self.seen.wrapping_add(1) != runs.number;
+        let was_absent = self.seen != runs.number && self.seen.wrapping_add(1) != runs.number;
         self.seen = runs.number;
         was_absent
     }
@@ -95,7 +95,7 @@ impl Freshness {
 /// The runs so far, and what has changed in the last one.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct Runs {
-    /// The number of the last run that placed colliders.
+    /// Increases in every run that reads other colliders than the one before.
     number: u32,
     /// Increases in every run in which a collider moved, was added or was removed.
     version: u64,
@@ -105,9 +105,11 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
-    /// Begins to place colliders.
-    pub(crate) fn begin(&mut self) {
-        self.number = self.number.wrapping_add(1);
+    /// Begins to place colliders. If they are the same as in the last run, those that do not change need not be read.
+    pub(crate) fn begin(&mut self, are_same: bool) {
+        if !are_same {
+            self.number = self.number.wrapping_add(1);
+        }
     }
 
     /// All colliders are placed. Says whether any answer is for an earlier state, and whether any collider moved, was added or was

@@ -4,7 +4,7 @@
 //!   - `locked_pose`: its pose. `placement`: where and how it takes part. `previous`: the same one run earlier.
 //!   - `held`: the earlier state that collisions see if the collider has a tolerance.
 //!   - `bad_weights`, `readiness`: what has been reported about it.
-//! - `freshness`: what has changed since the last run, and who has noticed. `run_times`: when runs were. `diagnostics`: what the last run did.
+//! - `freshness`: what has changed since the last run, and who has noticed. `news`: which colliders a run has to look at. `run_times`: when runs were. `diagnostics`: what the last run did.
 
 mod bad_weights;
 mod collider_state;
@@ -12,6 +12,7 @@ mod diagnostics;
 mod freshness;
 mod held;
 mod locked_pose;
+mod news;
 mod placement;
 mod previous;
 mod readiness;
@@ -29,6 +30,7 @@ pub(crate) use diagnostics::{Preparation, begin_run};
 
 pub(crate) use freshness::Runs;
 pub(crate) use locked_pose::LockedPose;
+pub(crate) use news::{ColliderNews, Moved};
 pub(crate) use placement::{Form, Placement, Skip};
 
 pub(crate) use readiness::Readiness;
@@ -37,6 +39,7 @@ pub(crate) use run_times::RunTimes;
 /// Adds the state of runs, and a state to every collider.
 pub(crate) fn add(app: &mut App) {
     app.init_resource::<MorphCollisionDiagnostics>()
+        .init_resource::<ColliderNews>()
         .init_resource::<Preparation>()
         .init_resource::<RunTimes>()
         .init_resource::<Runs>()

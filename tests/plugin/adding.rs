@@ -71,6 +71,10 @@ fn another_schedule_is_chosen_with_the_group_or_the_plugin() {
         } else {
             app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
         }
+        // On a slow machine, the schedule would run by itself.
+        app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(
+            std::time::Duration::ZERO,
+        ));
         start(&mut app);
         settle(&mut app);
         let before = touches(&app, a, b);

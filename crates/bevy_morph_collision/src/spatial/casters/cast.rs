@@ -56,7 +56,7 @@ pub(super) fn cast_all<C: Caster>(
     let mut questions = Vec::new();
     let mut put = |entity, found: Vec<C::Hit>| {
         if let Ok(mut hits) = lists.get_mut(entity)
-            // Not seen by change detection.
+            // Reading the list is not a change.
             && *C::list(hits.bypass_change_detection()) != found
         {
             *C::list(&mut hits) = found;

@@ -23,5 +23,6 @@ pub(crate) fn casters() -> ScheduleConfigs<ScheduleSystem> {
         cast_all::<MorphRayCaster>.run_if(any_with_component::<MorphRayCaster>),
         cast_all::<MorphShapeCaster>.run_if(any_with_component::<MorphShapeCaster>),
     );
-    systems.into_configs()
+    // One after the other, because both add to the same diagnostics.
+    systems.chain()
 }

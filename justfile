@@ -162,7 +162,7 @@ demo-check:
     slap=$("${CARGO_TARGET_DIR:-target}/debug/examples/slap" --headless --slaps 2 --json)
     echo "$slap"
     grep -Eq '"slaps": *2,"felt_discrete": *0,"felt_continuous": *2' <<< "$slap"
-    dust=$("${CARGO_TARGET_DIR:-target}/debug/examples/dust" --headless --frames 30 --json)
+    dust=$("${CARGO_TARGET_DIR:-target}/debug/examples/dust" --headless --frames 60 --json)
     echo "$dust"
     grep -Eq '"most_on_skin": *[1-9]' <<< "$dust"
 

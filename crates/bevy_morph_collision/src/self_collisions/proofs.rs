@@ -12,9 +12,15 @@ use morph_collision::proof::{Effort, ProofOutcome, SelfCertificates, SelfProof, 
 /// How many owners a tree has that only its proof still needs: the entry here, the task and its proof.
 const OWN_COUNT: usize = 3;
 
-/// The proofs that are running, one for each tree.
+/// The proofs of trees.
 #[derive(Default)]
-pub(crate) struct Proofs(HashMap<usize, (Arc<MorphBvh>, Task<Option<SelfCertificates>>)>);
+pub(crate) struct Proofs(HashMap<usize, (Arc<MorphBvh>, Proof)>);
+
+enum Proof {
+    Running(Task<Option<SelfCertificates>>),
+    /// There is none. This stays, so that it is not tried again.
+    Impossible,
+}
 
 impl Proofs {
     /// Starts the proof for a tree, unless it is running, done, or impossible.
@@ -31,22 +37,23 @@ impl Proofs {
                 let has_own_thread = thread::current().id() != frames_thread;
                 if has_own_thread { prove(&proved).await } else { None }
             });
-            (tree.clone(), task)
+            (tree.clone(), Proof::Running(task))
         });
     }
 
     /// Gives trees the certificates of proofs that are complete, and ends the proofs of trees that nothing else uses.
     pub(super) fn take_finished(&mut self) {
-        self.0.retain(|_, (tree, task)| {
+        self.0.retain(|_, (tree, proof)| {
+            let Proof::Running(task) = proof else {
+                return Arc::strong_count(tree) > 1;
+            };
             let Some(proved) = block_on(poll_once(task)) else {
                 return Arc::strong_count(tree) > OWN_COUNT;
             };
-            match proved {
-                // They are of this tree, and nothing else gives it any.
-                Some(certificates) => tree.set_certificates(certificates).is_err(),
-                // It stays, so that it is not tried again.
-                None => Arc::strong_count(tree) > 1,
-            }
+            // They are of this tree, and nothing else gives it any.
+            let is_proved = proved.is_some_and(|certificates| tree.set_certificates(certificates).is_ok());
+            *proof = Proof::Impossible;
+            !is_proved && Arc::strong_count(tree) > 1
         });
     }
 }
@@ -60,4 +67,35 @@ async fn prove(tree: &Arc<MorphBvh>) -> Option<SelfCertificates> {
         yield_now().await;
     }
     proof.certificates(&outcome).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec3;
+    use morph_collision::{BuildOptions, MorphModel};
+
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_proved_is_tried_once_while_its_tree_is_used() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let model = MorphModel::from_displacements(&corners, &[[0, 1, 2]], &[] as &[Vec<Vec3>]).unwrap();
+        let tree = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+        let key = Arc::as_ptr(&tree).addr();
+        let task = AsyncComputeTaskPool::get_or_init(Default::default).spawn(async { None });
+        let mut proofs = Proofs::default();
+        proofs.0.insert(key, (tree.clone(), Proof::Running(task)));
+        while matches!(proofs.0[&key].1, Proof::Running(_)) {
+            proofs.take_finished();
+            thread::yield_now();
+        }
+        for _ in 0..3 {
+            proofs.take_finished();
+            proofs.request(&tree);
+            assert!(matches!(proofs.0[&key].1, Proof::Impossible));
+        }
+        drop(tree);
+        proofs.take_finished();
+        assert!(proofs.0.is_empty());
+    }
 }

@@ -184,7 +184,7 @@ impl Experiment {
         scripts.map(|script| (script.name, script.title)).chain(walkers)
     }
 
-    /// The names that [`Experiment::named`] accepts.
+    /// The names of the scenes that are benchmarked by default. [`Experiment::named`] accepts some more.
     #[must_use]
     pub fn names() -> Vec<&'static str> {
         let paper = Self::paper_names().iter().copied();
@@ -192,13 +192,13 @@ impl Experiment {
         paper.chain(others.map(|(name, _)| name)).collect()
     }
 
-    /// One of the paper's experiments, or of the scenes of [`characters`](Self::characters) and [`with_rays`](Self::with_rays).
+    /// One with [generated](Self::generated) bodies, or of the scenes of [`characters`](Self::characters) and [`with_rays`](Self::with_rays).
     /// Uses every `every`-th step, at least 1.
     ///
     /// # Errors
     /// There is no scene with this name, or its model is missing or not the expected one.
     pub fn named(name: &str, every: usize) -> Result<Self, NoExperiment> {
-        if let Some(experiment) = Self::of_paper(name, every) {
+        if let Some(experiment) = Self::generated(name, every) {
             return Ok(experiment);
         }
         if let Some(walkers) = WALKERS.iter().find(|walkers| walkers.name == name) {

@@ -42,14 +42,16 @@ impl Experiment {
     pub fn paper(every: usize) -> Vec<Self> {
         PAPER
             .into_iter()
-            .filter_map(|name| Self::of_paper(name, every))
+            .filter_map(|name| Self::generated(name, every))
             .collect()
     }
 
-    /// One of the paper's experiments, by name.
+    /// One with generated bodies, by name.
     #[must_use]
-    pub fn of_paper(name: &str, every: usize) -> Option<Self> {
+    pub fn generated(name: &str, every: usize) -> Option<Self> {
         match name {
+            "blobs" => Some(Self::blobs(every)),
+            "pass-through-5120" => Some(Self::pass_through(4, every)),
             "pass-through-20480" => Some(Self::pass_through(5, every)),
             "dolphins-564" => Some(Self::dolphins(0, every)),
             "dolphins-2256" => Some(Self::dolphins(1, every)),

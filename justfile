@@ -303,8 +303,8 @@ bench *NAME:
 # Counts the instructions of 20 frames of the bench scenes, in millions (needs valgrind). Default: all scenes.
 instructions *SCENES: (instructions-of "morph" SCENES)
 
-# The same for ours, for the hybrid and for the full refit, both with our code.
-instructions-rivals *SCENES: (instructions-of "morph hybrid bottom-up" SCENES)
+# The same for ours, for frozen meshes, and for the hybrid and the full refit, both with our code.
+instructions-rivals *SCENES: (instructions-of "morph rigid-floor hybrid bottom-up" SCENES)
 
 [private]
 instructions-of METHODS *SCENES: release
@@ -326,7 +326,7 @@ instructions-of METHODS *SCENES: release
     export -f count
     scenes="{{SCENES}}"
     # Several at once: the load of the machine does not change the counts.
-    for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd head-ray head-rays walkers-ray walkers-rays}; do
+    for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd blobs pass-through-5120 head-ray head-rays walkers-ray walkers-rays}; do
         for method in {{METHODS}}; do
             echo "$scene all $method"
             echo "$scene first $method"
@@ -439,8 +439,7 @@ instructions-profiles:
 instructions-report:
     #!/usr/bin/env bash
     set -euo pipefail
-    just instructions | just report --counts instructions
-    just instructions-rivals | just report --counts instructions_rivals
+    just instructions-rivals | just report --counts instructions
     just instructions-motion | just report --counts instructions_motion
     just instructions-profiles | just report --counts instructions_profiles
 

@@ -3,7 +3,7 @@
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, NoCpuCulling, NoFrustumCulling, VisibilityPlugin};
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::import::MorphTrees;
 use bevy_morph_collision::prelude::*;
@@ -100,6 +100,45 @@ fn boxes_that_stay_are_not_written_and_bad_weights_change_nothing() {
     set_weight(&mut app, cube, f32::NAN);
     app.update();
     assert!((reach(&app, cube) - 1.5).abs() < 1e-4);
+}
+
+#[test]
+fn whatever_changes_after_a_rest_is_noticed() {
+    let mut app = app();
+    let cube = spawn(&mut app, ());
+    let mut other = stretching_cube();
+    for position in &mut other.positions {
+        *position *= 3.0;
+    }
+    let (other, source) = (
+        add_mesh(&mut app, &other),
+        app.spawn(MorphWeights::new(vec![2.0], None).unwrap()),
+    );
+    settle(&mut app);
+    let mut check = |expected: f32, change: &dyn Fn(&mut App)| {
+        change(&mut app);
+        settle(&mut app);
+        assert!(
+            (reach(&app, cube) - expected).abs() < 1e-4,
+            "{} {expected}",
+            reach(&app, cube)
+        );
+        for _ in 0..3 {
+            app.update();
+        }
+    };
+    check(0.5, &|_| {});
+    check(1.5, &|app| set_weight(app, cube, 1.0));
+    // Somebody else writes the box.
+    check(1.5, &|app| {
+        *app.world_mut().get_mut::<Aabb>(cube).unwrap() = Aabb::default()
+    });
+    check(2.5, &|app| app.insert(cube, MeshMorphWeights::Reference(source)));
+    check(3.5, &|app| {
+        app.world_mut().get_mut::<MorphWeights>(source).unwrap().weights_mut()[0] = 3.0
+    });
+    check(4.5, &|app| app.insert(cube, Mesh3d(other.clone())));
+    check(2.5, &|app| set_weight(app, cube, 1.0));
 }
 
 #[test]

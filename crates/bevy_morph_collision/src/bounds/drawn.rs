@@ -11,6 +11,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
 
+use super::changes::BoundsChanges;
 use super::culled::Culled;
 use super::local::{UNBOUNDED, around, around_in};
 use crate::import::{MorphTrees, TreeKey};
@@ -138,10 +139,17 @@ impl CachedBounds {
     }
 }
 
-/// Updates the boxes of deforming meshes so that they contain what is drawn.
-pub(super) fn update_bounds(mut meshes: Query<DrawnMesh, Culled>, mut drawn: DrawnMeshes, mut commands: Commands) {
+/// Updates the boxes of deforming meshes so that they contain what is drawn. Looks at none if nothing has changed.
+pub(super) fn update_bounds(
+    mut meshes: ParamSet<(BoundsChanges, Query<DrawnMesh, Culled>)>,
+    mut drawn: DrawnMeshes,
+    mut commands: Commands,
+) {
+    if !meshes.p0().any(&drawn.trees) {
+        return;
+    }
     drawn.begin();
-    for (entity, mesh, weights, skin, world_from_entity, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes {
+    for (entity, mesh, weights, skin, world_from_entity, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes.p1() {
         let key = TreeKey::of(mesh, None, skin);
         if drawn.trees.up_to_date(key).is_none() {
             if had_dynamic {

@@ -9,11 +9,9 @@ use morph_collision_testkit::report::{NOTHING, Table};
 
 use crate::report::context::Context;
 
-/// The data files: the scenes of `just instructions`, of `just instructions-rivals`, of `just instructions-motion`, and of
-/// `just instructions-profiles`.
-pub(crate) const DATA: [&str; 4] = [SCENES, RIVALS, MOTION, PROFILES];
+/// The data files: those of `just instructions-rivals`, of `just instructions-motion`, and of `just instructions-profiles`.
+pub(crate) const DATA: [&str; 3] = [SCENES, MOTION, PROFILES];
 pub(crate) const SCENES: &str = "instructions";
-pub(crate) const RIVALS: &str = "instructions_rivals";
 pub(crate) const MOTION: &str = "instructions_motion";
 pub(crate) const PROFILES: &str = "instructions_profiles";
 

@@ -5,18 +5,15 @@
 
 use std::{path::Path, process::ExitCode, time::Instant};
 
-use bevy::gltf::Gltf;
-use bevy::prelude::*;
+use bevy::{gltf::Gltf, prelude::*};
 use bevy_morph_collision::{prelude::*, spatial::MorphProjection};
 use clap::Parser;
 use morph_collision_workspace::app::{self, update_until};
-use morph_collision_workspace::character::MODEL;
 use morph_collision_workspace::dust::{Dust, Report};
-use morph_collision_workspace::error::ExampleError;
-use morph_collision_workspace::options::OutputOptions;
 use morph_collision_workspace::outcome::{exit_code, print_report};
 #[cfg(feature = "render")]
 use morph_collision_workspace::view::{self, Demo};
+use morph_collision_workspace::{character::MODEL, error::ExampleError, options::OutputOptions};
 
 /// Dust falls on a dancing character.
 #[derive(Parser)]
@@ -24,6 +21,9 @@ struct Options {
     /// Frames of 1/60 s each.
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
+    /// Grains of dust, without a window.
+    #[arg(long, default_value_t = GRAINS, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    grains: u32,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -119,7 +119,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     update_until(&mut app, &assets.join(MODEL), |world| {
         Ok(world.resource::<MorphCollisionDiagnostics>().colliders == 1)
     })?;
-    app.insert_resource(Dust::new(GRAINS));
+    app.insert_resource(Dust::new(options.grains));
     let mut report = Report::default();
     for _ in 0..options.frames {
         let start = Instant::now();

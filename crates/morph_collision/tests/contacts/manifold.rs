@@ -176,6 +176,34 @@ fn every_intersecting_pair_has_its_contact() {
 }
 
 #[test]
+fn pairs_found_earlier_give_the_same_manifold_in_any_order() {
+    let mut query = ContactQuery::new();
+    for (mut a, mut b) in deep_pairs() {
+        let mut pairs = Vec::new();
+        PairQuery::new().all(a.body(), b.body(), &mut pairs);
+        let expected = manifold(&mut a, &mut b);
+        assert!(pairs.len() > 20 && expected.is_some());
+        for _ in 0..3 {
+            assert_eq!(query.manifold_of(a.body(), b.body(), &pairs), expected, "{}", a.name);
+            assert_eq!(query.stats().node_tests, 0);
+            pairs.reverse();
+            pairs.rotate_left(7);
+        }
+        // These do not exist, or do not intersect.
+        let apart = (0..a.triangles.len() as u32)
+            .map(|triangle_a| TrianglePair { triangle_a, ..pairs[0] })
+            .find(|pair| !pairs.contains(pair));
+        let missing = TrianglePair {
+            triangle_a: u32::MAX,
+            triangle_b: 0,
+        };
+        pairs.extend(apart.into_iter().chain([missing]));
+        assert_eq!(query.manifold_of(a.body(), b.body(), &pairs), expected, "{}", a.name);
+        assert_eq!(query.manifold_of(a.body(), b.body(), &[]), None);
+    }
+}
+
+#[test]
 fn a_tip_is_pushed_back_out_of_the_face_it_pierces() {
     // A ball that dips into a plate. The bounds below hold however the plate's faces are split into triangles.
     let ball = random::random_blob(9, 3, 0, 0.0);

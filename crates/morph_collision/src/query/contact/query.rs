@@ -8,7 +8,7 @@ use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
 use crate::pose::Posed;
-use crate::query::{Body, PairQuery, TrianglePair};
+use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
 /// Finds where and how two bodies touch. Keep the query and use it again: it reuses its memory.
 ///
@@ -44,6 +44,7 @@ pub struct ContactQuery {
     found: Vec<TrianglePair>,
     touching: Vec<Touching>,
     points: Vec<ContactPoint>,
+    stats: QueryStats,
 }
 
 /// Two intersecting triangles in world space, counter-clockwise seen from outside.
@@ -55,7 +56,7 @@ struct Touching {
     contact: TriangleContact,
 }
 
-query_basics!(ContactQuery, |query| query.pairs.stats());
+query_basics!(ContactQuery, |query| query.stats);
 
 impl ContactQuery {
     /// Returns a summary of all contacts; `None` if no triangles intersect.
@@ -68,8 +69,27 @@ impl ContactQuery {
     /// Returns a summary of the pairs that [`PairQuery::up_to`] finds; `None` if there are none.
     ///
     /// If there are more pairs than `limit`, [`Manifold::is_truncated`] is set, and swapping the bodies may give another manifold.
-    pub fn manifold_up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize) -> Option<Manifold> {
-        let is_truncated = self.find(a, b, limit);
+    pub fn manifold_up_to(&mut self, mut a: Body<'_>, mut b: Body<'_>, limit: usize) -> Option<Manifold> {
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
+        let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut found);
+        self.describe(a, b, &found);
+        self.stats += self.pairs.stats();
+        self.found = found;
+        self.summary(is_truncated)
+    }
+
+    /// Returns a summary of pairs that another query has already found; `None` if there are none. Pairs that do not intersect, or that
+    /// name a triangle that does not exist, are left out.
+    ///
+    /// With all pairs, in any order, it is what [`manifold`](Self::manifold) returns, bit for bit.
+    pub fn manifold_of(&mut self, a: Body<'_>, b: Body<'_>, pairs: &[TrianglePair]) -> Option<Manifold> {
+        self.describe(a, b, pairs);
+        self.summary(false)
+    }
+
+    /// A summary of `touching`; `None` if it is empty.
+    fn summary(&mut self, is_truncated: bool) -> Option<Manifold> {
         let normal = mean_normal(&self.touching);
         self.points.clear();
         for &Touching {
@@ -90,17 +110,18 @@ impl ContactQuery {
         Manifold::reduce(normal, self.touching.len(), is_truncated, &self.points)
     }
 
-    /// Fills `touching` with at most `limit` pairs, in an order that does not depend on which body is named first. Returns whether
-    /// there are more.
-    fn find(&mut self, mut a: Body<'_>, mut b: Body<'_>, limit: usize) -> bool {
-        self.found.clear();
-        let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut self.found);
+    /// Fills `touching` with those of the pairs that intersect, in an order that does not depend on which body is named first.
+    fn describe(&mut self, mut a: Body<'_>, mut b: Body<'_>, pairs: &[TrianglePair]) {
         self.touching.clear();
         let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
-        for &triangles in &self.found {
+        let before = [posed_a.blended(), posed_b.blended()];
+        let [count_a, count_b] = [&posed_a.model, &posed_b.model].map(|model| model.triangle_count());
+        for &triangles in pairs {
+            if triangles.triangle_a as usize >= count_a || triangles.triangle_b as usize >= count_b {
+                continue;
+            }
             let a = outward_triangle(posed_a, triangles.triangle_a);
             let b = outward_triangle(posed_b, triangles.triangle_b);
-            // Never `None`: the pair query uses the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
                 self.touching.push(Touching {
                     triangles,
@@ -110,6 +131,7 @@ impl ContactQuery {
                 });
             }
         }
+        self.stats = QueryStats::blending(before, [posed_a.blended(), posed_b.blended()]);
         let key = |touching: &Touching| {
             let TriangleContact { segment, normal } = touching.contact;
             let TrianglePair { triangle_a, triangle_b } = touching.triangles;
@@ -117,9 +139,13 @@ impl ContactQuery {
             let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b), triangle_a];
             ([segment[0], segment[1], normal.abs()].map(|v| v.to_array()), numbers)
         };
-        self.touching
-            .sort_by(|s, t| key(s).partial_cmp(&key(t)).unwrap_or(Ordering::Equal));
-        is_truncated
+        self.touching.sort_by(|s, t| {
+            // PERF: one coordinate decides most comparisons.
+            let [first, second] = [s, t].map(|touching| touching.contact.segment[0].x);
+            let order = first.partial_cmp(&second).filter(|order| order.is_ne());
+            let all = || key(s).partial_cmp(&key(t));
+            order.or_else(all).unwrap_or(Ordering::Equal)
+        });
     }
 }
 

@@ -28,6 +28,7 @@ mod log;
 
 mod mistakes;
 mod models;
+mod noticed;
 mod pairs;
 mod picking;
 mod readiness;

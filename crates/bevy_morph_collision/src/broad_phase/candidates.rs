@@ -1,22 +1,17 @@
 //! Places colliders in the world and finds pairs that are close enough to compare.
 
 use bevy::platform::time::Instant;
-
-use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
-use morph_collision::{Aabb, InputError, WorldFromModel, overlapping_pairs};
-use tracing::{debug_span, error};
+use morph_collision::Aabb;
+use tracing::debug_span;
 
+use super::placing::{Participant, ParticipantItem, ParticipantReadOnlyItem};
+use super::sweep::Sweep;
 use super::swept_pairs::SweptPairs;
 use super::teleports::Teleports;
 use super::visits::{Visited, Visits};
 use crate::app::Names;
-use crate::components::{
-    MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape, body_of,
-};
-use crate::state::{
-    ColliderNews, ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Moved, Placement, Runs, Skip,
-};
+use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics, Moved, Placement, Runs, Skip};
 
 /// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
 #[derive(Resource, Default)]
@@ -31,7 +26,8 @@ pub(crate) struct Candidates {
     indices: Vec<(Entity, u32)>,
     /// Scratch memory for sorting.
     order: Vec<(Entity, u32)>,
-    bounds: Vec<Option<Aabb>>,
+    bounds: Vec<Aabb>,
+    sweep: Sweep,
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
     tally: Tally,
@@ -71,20 +67,6 @@ struct Counts {
     passive: u64,
     rigid: u64,
     nodes: u64,
-}
-
-/// The components that decide whether and where a collider takes part.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(crate) struct Participant {
-    entity: Entity,
-    collider: &'static MorphCollider,
-    layers: Option<&'static MorphCollisionLayers>,
-    state: &'static mut ColliderState,
-    transform: Ref<'static, GlobalTransform>,
-    body: Option<&'static MorphColliderOf>,
-    shape: Option<Ref<'static, MorphShape>>,
-    is_disabled: Has<MorphColliderDisabled>,
 }
 
 /// Places all colliders and pairs those of different bodies whose world-space bounds overlap.
@@ -151,7 +133,7 @@ pub(crate) fn find_candidates(
         candidates.swept.remember(&candidates.colliders);
     }
     if runs.any_changed() {
-        candidates.sweep(&colliders);
+        candidates.find_pairs(&colliders);
     }
     if any_way {
         candidates.swept.find(&candidates.colliders, &elsewhere);
@@ -176,146 +158,6 @@ pub(crate) fn find_candidates(
     diagnostics.duration += start.elapsed();
 }
 
-/// Whether anything about a collider changed.
-#[derive(Default)]
-struct Visit {
-    /// Something that affects answers.
-    changed: bool,
-    /// Its placement, or whether it was read.
-    moved: bool,
-}
-
-impl ParticipantItem<'_, '_> {
-    /// Places a collider, unless it rests.
-    fn visit(&mut self, runs: &Runs, names: &Names, diagnostics: &mut MorphCollisionDiagnostics) -> Visit {
-        let was_absent = self.state.freshness.see(runs);
-        if !was_absent && self.rests() {
-            return Visit::default();
-        }
-        let reposed = self.state.freshness.bounds_are_old() && self.state.pose.is_some();
-        diagnostics.stats.nodes_blended += u64::from(reposed);
-        let placement = self.place(was_absent);
-        let state = &mut *self.state;
-        let bad_placement = placement.is_err();
-        let placed = placement.unwrap_or_else(|error| {
-            if !state.bad_placement {
-                let name = names.with_file(self.entity);
-                error!("entity {name} is left out of collisions: {error}");
-            }
-            None
-        });
-        state.bad_placement = bad_placement;
-        if was_absent {
-            // It has no state of the last run.
-            state.previous.world_from_model = None;
-        }
-        let moved = was_absent || placed != state.placed;
-        if moved {
-            state.freshness.placement_changed();
-        }
-        let took_part = std::mem::replace(&mut state.placed, placed).is_some();
-        state.hold(was_absent, self.collider.tolerance);
-        Visit {
-            changed: state.freshness.answers_are_old() && (placed.is_some() || took_part),
-            moved,
-        }
-    }
-
-    /// Whether nothing about a collider has changed since the last run: its place, its settings, and anything else it depends on.
-    fn rests(&self) -> bool {
-        let Some(placed) = &self.state.placed else { return false };
-        let is_same_form = match (&placed.form, &self.shape) {
-            (Form::Mesh(_), None) => self.state.pose.is_some(),
-            (Form::Shape(_), Some(shape)) => !shape.is_changed(),
-            _ => false,
-        };
-        let state = &self.state;
-        let is_still = !state.freshness.bounds_are_old()
-            && !state.freshness.answers_are_old()
-            && state.held.is_none()
-            && !self.transform.is_changed();
-        is_same_form
-            && is_still
-            && !self.is_disabled
-            && self.collider.tolerance == 0.0
-            && self.collider.margin == placed.margin
-            && self.collider.continuous == placed.continuous
-            && self.collider.mode == placed.mode
-            && self.layers.copied().unwrap_or_default() == placed.layers
-            && body_of(self.entity, self.body) == placed.body
-    }
-
-    /// The collider's current placement; `None` if it takes no part.
-    fn place(&mut self, was_absent: bool) -> Result<Option<Placement>, BadPlacement> {
-        if self.is_disabled {
-            return Ok(None);
-        }
-        let state = &mut *self.state;
-        let settled = !was_absent && !state.freshness.bounds_are_old() && !self.transform.is_changed();
-        let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
-        let before = state.placed.filter(|_| settled);
-        let kept = match before.map(|placed| placed.form) {
-            Some(Form::Mesh(_)) => state.pose.is_some() && self.shape.is_none(),
-            Some(Form::Shape(_)) => self.shape.is_some(),
-            None => false,
-        };
-        // A shape takes precedence over a mesh.
-        let (form, bounds) = match (before, &self.shape, state.pose.as_mut().map(LockedPose::get_mut)) {
-            (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
-            (_, Some(shape), _) => {
-                let (shape, bounds) = shape.place(&self.transform).map_err(BadPlacement::Shape)?;
-                (Form::Shape(shape), bounds)
-            }
-            (_, None, Some(pose)) if pose.joints().is_some() => {
-                if !state.has_joints {
-                    return Ok(None);
-                }
-                // Its joints place it.
-                let world_from_model = WorldFromModel::IDENTITY;
-                (Form::Mesh(world_from_model), pose.broad_phase_bounds(&world_from_model))
-            }
-            (_, None, Some(pose)) => {
-                let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlacement::Transform)?;
-                (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
-            }
-            (_, None, None) => return Ok(None),
-        };
-        let margin = self.collider.margin;
-        if !(0.0..1e30).contains(&margin) {
-            return Err(BadPlacement::Margin(margin));
-        }
-        let tolerance = self.collider.tolerance;
-        if !(0.0..1e30).contains(&tolerance) {
-            return Err(BadPlacement::Tolerance(tolerance));
-        }
-        // A pose keeps its root box as long as its weights and joints stay the same.
-        state.freshness.bounds_computed();
-        Ok(Some(Placement {
-            form,
-            body: body_of(self.entity, self.body),
-            mode: self.collider.mode,
-            // If the user removes the layers, the defaults apply.
-            layers: self.layers.copied().unwrap_or_default(),
-            margin,
-            continuous: self.collider.continuous,
-            bounds,
-        }))
-    }
-}
-
-/// Why a collider has no placement.
-#[derive(Debug, thiserror::Error)]
-enum BadPlacement {
-    #[error(transparent)]
-    Transform(InputError),
-    #[error("its shape: {0}")]
-    Shape(InputError),
-    #[error("its margin is {0}, it must be a finite number that is not negative")]
-    Margin(f32),
-    #[error("its tolerance is {0}, it must be a finite number that is not negative")]
-    Tolerance(f32),
-}
-
 impl Candidates {
     /// The colliders that took part in the last run, ascending, in the state that collisions see.
     pub(crate) fn colliders(&self) -> &[(Entity, Placement)] {
@@ -328,11 +170,11 @@ impl Candidates {
         self.counts.nodes = 0;
         let mut indices = self.indices.iter();
         for participant in colliders {
-            let Some(&placed) = participant.state.seen_as() else {
+            let Some(placed) = participant.state.seen_as() else {
                 continue;
             };
             match indices.next() {
-                Some(&(entity, index)) if entity == participant.entity => self.colliders[index as usize].1 = placed,
+                Some(&(entity, index)) if entity == participant.entity => self.colliders[index as usize].1 = *placed,
                 _ => return false,
             }
             let pose = participant.state.pose.as_ref();
@@ -361,7 +203,8 @@ impl Candidates {
         }
     }
 
-    fn sweep(&mut self, colliders: &Query<Participant>) {
+    /// Finds the pairs of boxes that overlap, and those among them to compare.
+    fn find_pairs(&mut self, colliders: &Query<Participant>) {
         self.counts = Counts::default();
         if !self.copy_placements(colliders) {
             self.sort(colliders);
@@ -371,13 +214,9 @@ impl Candidates {
         }
 
         self.bounds.clear();
-        let bounds = self
-            .colliders
-            .iter()
-            .map(|(_, placed)| Some(placed.bounds_with_margin()));
+        let bounds = self.colliders.iter().map(|(_, placed)| placed.bounds_with_margin());
         self.bounds.extend(bounds);
-        self.overlaps.clear();
-        overlapping_pairs(&self.bounds, &mut self.overlaps);
+        self.sweep.find(&self.bounds, &mut self.overlaps);
 
         self.pairs.clear();
         let counts = &mut self.counts;

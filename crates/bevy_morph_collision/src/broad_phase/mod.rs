@@ -1,9 +1,11 @@
 //! Places colliders in the world and finds pairs that are close enough to compare.
 //!
-//! - `candidates`: pairs whose boxes overlap. `visits`: which colliders have to be placed anew.
+//! - `candidates`: pairs whose boxes overlap (`sweep`). `visits`: which colliders have to be placed anew. `placing`: one of them.
 //! - `swept_pairs`: pairs that may touch on their way from the last run. `teleports`: colliders that were put somewhere else, and have no way.
 
 mod candidates;
+mod placing;
+mod sweep;
 mod swept_pairs;
 mod teleports;
 mod visits;

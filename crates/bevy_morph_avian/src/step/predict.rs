@@ -59,7 +59,7 @@ pub(super) fn predict(start: Start, dt: f32) -> Result<Prediction, InputError> {
         None => is_mirrored([&collider_from_model].into_iter()),
     };
     let joints = joints.map(|joints| match joints {
-        Joints::InWorld(joints) => JointMatrices::new(&joints_in(&now, joints)),
+        Joints::InWorld(joints) => JointMatrices::new(&joints_in(&now, joints).collect::<Vec<_>>()),
         Joints::InCollider(joints) => JointMatrices::new(joints),
     });
     let joints = joints.transpose()?;

@@ -38,10 +38,11 @@ pub(super) fn advance(
     let live = sources.live(moving, surface.drawn_with.transform, skin);
     moving.drawn.at_step(&live);
     let between_frames = time.span.and_then(|span| moving.drawn.joints.at(span.end));
-    let joints = skin.and_then(|skin| sources.world_from_joints(skin));
-    let joints = match (&between_frames, joints) {
-        (Some(joints), Some(_)) => Some(Joints::InCollider(&joints.matrices)),
-        (_, joints) => joints.map(Joints::InWorld),
+    let joints = match &between_frames {
+        Some(joints) if live.joints.is_some() => Some(Joints::InCollider(&joints.matrices)),
+        _ => skin
+            .and_then(|skin| sources.world_from_joints(skin))
+            .map(Joints::InWorld),
     };
     let collider = surface.position.zip(surface.rotation);
     let start = Start {

@@ -30,10 +30,15 @@ impl Sources<'_, '_> {
     }
 
     /// What a surface is drawn with now.
-    pub fn live(&mut self, moving: &MovingSurface, transform: &GlobalTransform, skin: Option<&SkinnedMesh>) -> Live {
+    pub fn live(
+        &mut self,
+        moving: &mut MovingSurface,
+        transform: &GlobalTransform,
+        skin: Option<&SkinnedMesh>,
+    ) -> Live {
         let skin = skin.filter(|_| moving.is_skinned());
         let bind_poses = self.bind_poses.as_deref();
-        let drawn = &moving.drawn;
+        let drawn = &mut moving.drawn;
         drawn.live(transform, skin, &mut self.skeletons, bind_poses, &self.globals)
     }
 

@@ -9,5 +9,5 @@ mod world_space;
 pub use isometry::{is_rigid, rigid_part};
 pub use rigid_motion::RigidMotion;
 pub use sorted_boxes::SortedBoxes;
-pub use velocities::{between, continuous, fastest, largest};
+pub use velocities::{are_continuous, between, continuous, fastest, largest};
 pub use world_space::{corners, into_query, joints_in, region, world_bounds};

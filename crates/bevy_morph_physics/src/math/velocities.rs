@@ -7,12 +7,22 @@ use bevy::math::DVec3;
 /// `limit` is the maximum change of velocity in one step. A point that suddenly moves faster counts as moving when the next step
 /// confirms it.
 pub fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: f64) -> bool {
-    let speed = fastest(velocities);
+    let before = before.map(|before| before.iter().copied());
+    are_continuous(velocities.iter().copied(), before, limit)
+}
+
+/// The same for velocities that are computed when they are needed.
+pub fn are_continuous(
+    velocities: impl Iterator<Item = DVec3> + Clone,
+    before: Option<impl Iterator<Item = DVec3>>,
+    limit: f64,
+) -> bool {
+    let speed = largest(velocities.clone().map(DVec3::length_squared)).sqrt();
     if speed <= limit {
         return true;
     }
     let Some(before) = before else { return false };
-    let changes = velocities.iter().zip(before).map(|(v, u)| v.distance(*u));
+    let changes = velocities.zip(before).map(|(v, u)| v.distance(u));
     largest(changes) <= limit.max(0.5 * speed)
 }
 

@@ -69,7 +69,7 @@ pub fn into_query(point: DVec3, pose: &Pose, world_from_model: &WorldFromModel) 
 }
 
 /// Converts joints to the space of a collider at `world_from_model`.
-pub fn joints_in(collider: &Isometry, world_from_mesh: &[Affine3A]) -> Vec<Affine3A> {
+pub fn joints_in(collider: &Isometry, world_from_mesh: &[Affine3A]) -> impl ExactSizeIterator<Item = Affine3A> {
     let precise = |affine: &Affine3A| {
         let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());
         DAffine3 {
@@ -82,10 +82,9 @@ pub fn joints_in(collider: &Isometry, world_from_mesh: &[Affine3A]) -> Vec<Affin
         collider.translation,
     ))
     .inverse();
-    let seen = |joint: &Affine3A| {
+    world_from_mesh.iter().map(move |joint| {
         let DAffine3 { matrix3, translation } = to_collider * precise(joint);
         let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(DVec3::as_vec3);
         Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), translation.as_vec3())
-    };
-    world_from_mesh.iter().map(seen).collect()
+    })
 }

@@ -153,9 +153,7 @@ impl MovingSurface {
 
     /// Notices weights that changed after the last step of a frame saw them.
     pub fn after_steps(&mut self, weights: &WeightSource) {
-        if let Ok(weights) = weights.read(self.target_count()) {
-            self.drawn.weights.after_steps(&weights);
-        }
+        self.drawn.weights_after_steps(weights, self.target_count());
     }
 
     /// Whether it moves and does not jump as a whole.

@@ -48,6 +48,17 @@ pub struct DrawnHistory {
     stopped_at: Option<Affine3A>,
     /// The middle of the mesh in its bind pose.
     middle: Vec3,
+    /// The joints that were last read. A frame and the step after it often find the same.
+    last_read: Option<ReadJoints>,
+    /// Scratch memory.
+    read_weights: Vec<f32>,
+}
+
+/// Joints as a skeleton has them, and in the space of a collider.
+struct ReadJoints {
+    world_from_mesh: Vec<Affine3A>,
+    collider: Affine3A,
+    sample: JointSample,
 }
 
 impl DrawnHistory {
@@ -61,6 +72,8 @@ impl DrawnHistory {
             on_body: false,
             stopped_at: None,
             middle,
+            last_read: None,
+            read_weights: Vec::new(),
         }
     }
 
@@ -71,7 +84,7 @@ impl DrawnHistory {
 
     /// Reads the current transform of an entity and its joints.
     pub fn live(
-        &self,
+        &mut self,
         transform: &GlobalTransform,
         skin: Option<&SkinnedMesh>,
         skeletons: &mut Skeletons,
@@ -81,10 +94,7 @@ impl DrawnHistory {
         let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
         let joints = skin.and_then(|skin| {
             let joints = skeletons.of(skin, bind_poses, global_of).world_from_mesh()?;
-            Some(JointSample {
-                matrices: joints_in(&rigid_part(transform), joints),
-                middle: self.middle,
-            })
+            Some(self.joints_in_collider(transform, joints))
         });
         Live {
             transform: transform.affine(),
@@ -92,13 +102,41 @@ impl DrawnHistory {
         }
     }
 
+    /// Joints in the space of a collider.
+    fn joints_in_collider(&mut self, transform: &GlobalTransform, world_from_mesh: &[Affine3A]) -> JointSample {
+        let collider = transform.affine();
+        if let Some(last) = &self.last_read
+            && last.collider == collider
+            && last.world_from_mesh == world_from_mesh
+        {
+            return last.sample.clone();
+        }
+        let sample = JointSample {
+            matrices: joints_in(&rigid_part(transform), world_from_mesh).collect(),
+            middle: self.middle,
+        };
+        let mut memory = self
+            .last_read
+            .take()
+            .map(|last| last.world_from_mesh)
+            .unwrap_or_default();
+        memory.clear();
+        memory.extend_from_slice(world_from_mesh);
+        self.last_read = Some(ReadJoints {
+            world_from_mesh: memory,
+            collider,
+            sample: sample.clone(),
+        });
+        sample
+    }
+
     /// Records what a frame is drawn with. Weights that cannot be used are skipped.
     pub fn record(&mut self, time: f64, live: &Live, weights: &WeightSource, count: usize, max_acceleration: f32) {
-        if let Ok(weights) = weights.read(count)
-            && weights.len() == count
-            && weights.iter().all(|weight| weight.is_finite())
+        if weights.read(count, &mut self.read_weights).is_ok()
+            && self.read_weights.len() == count
+            && self.read_weights.iter().all(|weight| weight.is_finite())
         {
-            self.weights.record(time, &weights, max_acceleration);
+            self.weights.record(time, &self.read_weights, max_acceleration);
         }
         if let Some(joints) = &live.joints {
             self.joints.record(time, joints, max_acceleration);
@@ -124,8 +162,8 @@ impl DrawnHistory {
 
     /// Compares with the last step while no steps come. What has changed is no motion.
     pub fn rest(&mut self, live: &Live, weights: &WeightSource, count: usize) {
-        if let Ok(weights) = weights.read(count) {
-            self.weights.rest(&weights);
+        if weights.read(count, &mut self.read_weights).is_ok() {
+            self.weights.rest(&self.read_weights);
         }
         if let Some(joints) = &live.joints {
             self.joints.rest(joints);
@@ -170,7 +208,16 @@ impl DrawnHistory {
 
     /// Updates it with the weights that a step finds.
     pub fn weights_at_step(&mut self, weights: &[f32]) {
-        self.weights.step(&weights.to_vec());
+        self.read_weights.clear();
+        self.read_weights.extend_from_slice(weights);
+        self.weights.step(&self.read_weights);
+    }
+
+    /// Notices weights that changed after the last step of a frame saw them.
+    pub fn weights_after_steps(&mut self, weights: &WeightSource, count: usize) {
+        if weights.read(count, &mut self.read_weights).is_ok() {
+            self.weights.after_steps(&self.read_weights);
+        }
     }
 
     /// Whether something that the coming step uses directly has changed without motion. The caller knows whether its shape and its

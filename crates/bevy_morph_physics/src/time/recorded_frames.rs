@@ -2,8 +2,10 @@
 
 use std::collections::VecDeque;
 
+use bevy::math::DVec3;
+
 use super::recorded_value::RecordedValue;
-use crate::math::continuous;
+use crate::math::are_continuous;
 
 /// The values with which the last few frames were drawn.
 pub(super) struct RecordedFrames<T>(VecDeque<Frame<T>>);
@@ -13,6 +15,15 @@ pub(super) struct Frame<T> {
     pub(super) time: f64,
     pub(super) value: T,
     change: Change,
+}
+
+impl<T: RecordedValue> Frame<T> {
+    /// How fast points move from here to where a value has them at some time.
+    fn velocities(&self, to: &T, at: f64) -> impl Iterator<Item = DVec3> + Clone {
+        let time = at - self.time;
+        let ways = self.value.points().zip(to.points());
+        ways.map(move |(from, to)| (to - from) / time)
+    }
 }
 
 /// How a value came from that of the frame before.
@@ -113,22 +124,11 @@ impl<T: RecordedValue> RecordedFrames<T> {
     pub(super) fn jumps(&self, time: f64, value: &T, max_acceleration: f32) -> bool {
         let mut last = self.0.iter().rev();
         let Some(before) = last.next() else { return false };
-        let velocities = |from: &Frame<T>, to: &T, at: f64| {
-            let (from_points, to_points) = (from.value.points(), to.points());
-            let ways = from_points.iter().zip(to_points);
-            ways.map(|(from_point, to_point)| (to_point - from_point) / (at - from.time))
-                .collect::<Vec<_>>()
-        };
-        let now = velocities(before, value, time);
         let limit = f64::from(max_acceleration) * (time - before.time);
-        // Slow values are not compared with the frame before.
-        if continuous(&now, None, limit) {
-            return false;
-        }
         let earlier = last
             .next()
-            .map(|earlier| velocities(earlier, &before.value, before.time));
-        !continuous(&now, earlier.as_deref(), limit)
+            .map(|earlier| earlier.velocities(&before.value, before.time));
+        !are_continuous(before.velocities(value, time), earlier, limit)
     }
 
     /// The value at some time.

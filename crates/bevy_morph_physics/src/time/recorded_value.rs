@@ -1,5 +1,7 @@
 //! The values that are recorded in every frame: weights, joints and transforms.
 
+use std::sync::Arc;
+
 use bevy::math::{Affine3A, DVec3, Vec3};
 
 use crate::math::largest;
@@ -12,8 +14,8 @@ pub trait RecordedValue: Clone {
     /// Interpolates linearly to another value.
     fn interpolated(&self, other: &Self, share: f32) -> Self;
 
-    /// Points that move far if the surface teleports. Empty if the value cannot teleport.
-    fn points(&self) -> Vec<DVec3>;
+    /// Points that move far if the surface teleports. None if the value cannot teleport.
+    fn points(&self) -> impl Iterator<Item = DVec3> + Clone;
 }
 
 impl RecordedValue for Vec<f32> {
@@ -26,8 +28,8 @@ impl RecordedValue for Vec<f32> {
         self.iter().zip(other).map(between).collect()
     }
 
-    fn points(&self) -> Vec<DVec3> {
-        Vec::new()
+    fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
+        std::iter::empty()
     }
 }
 
@@ -41,22 +43,25 @@ impl RecordedValue for Affine3A {
         Self::from_cols_array(&std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
     }
 
-    fn points(&self) -> Vec<DVec3> {
-        vec![Vec3::from(self.translation).as_dvec3()]
+    fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
+        std::iter::once(Vec3::from(self.translation).as_dvec3())
     }
 }
 
 /// Joints in the collider's space, and a point of the mesh, the middle of its bounds.
 #[derive(Clone)]
 pub struct JointSample {
-    /// One for each joint.
-    pub matrices: Vec<Affine3A>,
+    /// One for each joint. Shared by everything that remembers this moment.
+    pub matrices: Arc<[Affine3A]>,
     /// The middle of the mesh in its bind pose.
     pub middle: Vec3,
 }
 
 impl RecordedValue for JointSample {
     fn is_same(&self, other: &Self) -> bool {
+        if Arc::ptr_eq(&self.matrices, &other.matrices) && self.middle == other.middle {
+            return true;
+        }
         let close = |a: &[f32; 12], b: &[f32; 12]| {
             let (a, b) = (&a[..9], &b[..9]);
             // Its scale may be that of another unit of length.
@@ -64,27 +69,28 @@ impl RecordedValue for JointSample {
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * scale)
         };
         // Removing the collider's isometry leaves rounding errors. Joints that move nearly always turn, which the first of them shows.
-        let pairs = || self.matrices.iter().zip(&other.matrices);
+        let pairs = || self.matrices.iter().zip(&*other.matrices);
         if self.matrices.len() != other.matrices.len()
             || !pairs().all(|(a, b)| close(&a.to_cols_array(), &b.to_cols_array()))
         {
             return false;
         }
-        let (a, b) = (self.points(), other.points());
-        let size = largest(b.iter().map(|p| p.abs().max_element()));
-        a.iter().zip(&b).all(|(a, b)| a.distance(*b) <= 1e-6 * size)
+        let size = largest(other.points().map(|p| p.abs().max_element()));
+        self.points()
+            .zip(other.points())
+            .all(|(a, b)| a.distance(b) <= 1e-6 * size)
     }
 
     fn interpolated(&self, other: &Self, share: f32) -> Self {
-        let matrices = self.matrices.iter().zip(&other.matrices);
+        let matrices = self.matrices.iter().zip(&*other.matrices);
         Self {
             matrices: matrices.map(|(a, b)| a.interpolated(b, share)).collect(),
             middle: self.middle,
         }
     }
 
-    fn points(&self) -> Vec<DVec3> {
+    fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
         let middle = |joint: &Affine3A| joint.transform_point3(self.middle).as_dvec3();
-        self.matrices.iter().map(middle).collect()
+        self.matrices.iter().map(middle)
     }
 }

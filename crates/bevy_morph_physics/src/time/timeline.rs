@@ -66,7 +66,7 @@ impl<T: RecordedValue> Timeline<T> {
         } else {
             self.expected.frames.saturating_sub(1)
         };
-        if self.frames.extend_rest(time, value) {
+        if !changed && self.frames.extend_rest(time, value) {
             return;
         }
         let change = if is_teleport {

@@ -15,13 +15,16 @@ pub struct WeightSource<'a> {
 }
 
 impl WeightSource<'_> {
-    /// A copy of the weights of a mesh with this number of targets. They may be invalid.
+    /// Copies the weights of a mesh with this number of targets. They may be invalid.
     ///
     /// # Errors
     /// The entity that it refers to has no weights.
-    pub fn read(&self, count: usize) -> Result<Vec<f32>, WeightsProblem> {
+    pub fn read(&self, count: usize, into: &mut Vec<f32>) -> Result<(), WeightsProblem> {
         let mut rest = Vec::new();
-        Ok(drawn_weights(count, self.component, self.shared, &mut rest)?.to_vec())
+        let weights = drawn_weights(count, self.component, self.shared, &mut rest)?;
+        into.clear();
+        into.extend_from_slice(weights);
+        Ok(())
     }
 
     /// Gives a pose the weights.

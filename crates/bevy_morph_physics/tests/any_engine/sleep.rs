@@ -123,3 +123,43 @@ fn one_of_many_surfaces_is_awake() {
     run(&mut app, 2);
     assert_eq!(diagnostics(&app).awake, 0);
 }
+
+/// What surfaces do in each frame while a player slides over the first of them.
+fn walk_over_the_first(surfaces: usize) -> Vec<[u32; 5]> {
+    let mut app = app();
+    let mesh = sheet(8);
+    let at = |i: usize| Transform::from_xyz(20.0 * i as f32, 0.0, 0.0);
+    let surfaces: Vec<Entity> = (0..surfaces).map(|i| spawn(&mut app, &mesh, at(i))).collect();
+    settle(&mut app);
+    let walking = flying(Vec3::new(1.0, 0.0, 0.0));
+    let start = Transform::from_xyz(-0.7, 0.3, 0.0);
+    app.world_mut()
+        .spawn((ball(0.3), start, (DYNAMIC, GravityScale(0.0), walking)));
+    let frame = |i: usize| {
+        let time = DT * i as f32;
+        for &surface in &surfaces {
+            set_weights(&mut app, surface, &[0.1 * (3.0 * time).sin(), 0.1 * (2.0 * time).cos()]);
+        }
+        run(&mut app, 1);
+        let counts = diagnostics(&app);
+        assert_eq!(counts.surfaces as usize, surfaces.len());
+        [
+            counts.awake,
+            counts.parts,
+            counts.blended,
+            counts.compared_bodies,
+            counts.limited_bodies,
+        ]
+    };
+    (0..60).map(frame).collect()
+}
+
+#[test]
+fn a_player_wakes_only_the_surface_that_it_walks_over() {
+    let alone = walk_over_the_first(1);
+    let busy = alone
+        .iter()
+        .filter(|[awake, parts, blended, ..]| awake.min(parts).min(blended) > &0);
+    assert!(busy.count() > 10, "{alone:?}");
+    assert_eq!(walk_over_the_first(100), alone);
+}

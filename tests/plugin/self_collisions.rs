@@ -156,7 +156,7 @@ fn regions_end_when_the_collider_takes_no_part() {
         let (starts, ends) = messages.run(&mut app);
         started.extend(starts);
         ended.extend(ends);
-        std::thread::sleep(std::time::Duration::from_millis(1));
+        sleep(Duration::from_millis(1));
         if !started.is_empty() {
             break;
         }

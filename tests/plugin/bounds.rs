@@ -131,11 +131,11 @@ fn whatever_changes_after_a_rest_is_noticed() {
     check(1.5, &|app| set_weight(app, cube, 1.0));
     // Somebody else writes the box.
     check(1.5, &|app| {
-        *app.world_mut().get_mut::<Aabb>(cube).unwrap() = Aabb::default()
+        *app.world_mut().get_mut::<Aabb>(cube).unwrap() = Aabb::default();
     });
     check(2.5, &|app| app.insert(cube, MeshMorphWeights::Reference(source)));
     check(3.5, &|app| {
-        app.world_mut().get_mut::<MorphWeights>(source).unwrap().weights_mut()[0] = 3.0
+        app.world_mut().get_mut::<MorphWeights>(source).unwrap().weights_mut()[0] = 3.0;
     });
     check(4.5, &|app| app.insert(cube, Mesh3d(other.clone())));
     check(2.5, &|app| set_weight(app, cube, 1.0));

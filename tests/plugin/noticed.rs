@@ -235,7 +235,8 @@ fn changes_while_no_runs_happen() {
     rest(&mut app);
     let pause = |app: &mut App, paused| app.settings().paused = paused;
     // A transform, layers and weights: each in the first of several frames without a run.
-    let changes: [(fn(&mut World, Entity, Entity), bool); 4] = [
+    type Change = fn(&mut World, Entity, Entity);
+    let changes: [(Change, bool); 4] = [
         (
             |world, b, _| world.get_mut::<Transform>(b).unwrap().translation.x = NEAR,
             true,

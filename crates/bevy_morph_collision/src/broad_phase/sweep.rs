@@ -157,7 +157,6 @@ mod tests {
     fn apply(change: &Change, boxes: &mut Vec<Aabb>) {
         let count = boxes.len();
         match *change {
-            Change::Nothing => {}
             Change::Drift(speed) => {
                 for (i, one) in boxes.iter_mut().enumerate() {
                     let way = speed * (Vec3::new(noise(i, 5), noise(i, 6), noise(i, 7)) - 0.5);
@@ -173,7 +172,7 @@ mod tests {
             Change::Remove(one) if count > 0 => _ = boxes.remove(one % count),
             Change::Add(place, corner) => boxes.insert(place.min(count), at(Vec3::from_array(corner))),
             Change::Truncate(to) => boxes.truncate(to),
-            Change::Set(..) | Change::Remove(_) => {}
+            Change::Nothing | Change::Set(..) | Change::Remove(_) => {}
         }
     }
 

@@ -55,6 +55,16 @@ impl<'w> Column<'w> {
         any
     }
 
+    /// The rows to which it happened since the system last ran.
+    pub(crate) fn new_rows(&self) -> impl Iterator<Item = usize> {
+        let rows = self.ticks.len();
+        let blocks = (0..rows)
+            .step_by(BLOCK)
+            .map(move |start| start..rows.min(start + BLOCK));
+        let new = blocks.filter(|block| self.any_new_in(block.clone()));
+        new.flatten().filter(|&row| self.is_new(row))
+    }
+
     /// Whether it happened to any row.
     fn any_new(&self) -> bool {
         let rows = self.ticks.len();

@@ -1,4 +1,4 @@
-//! Whether the boxes of drawn meshes may have to change.
+//! Whether the trees and the boxes of drawn meshes may have to change.
 
 use bevy::camera::primitives::Aabb;
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
@@ -9,6 +9,32 @@ use bevy::prelude::*;
 use super::culled::Culled;
 use crate::app::{Rows, any_changed, has, ran_long_ago};
 use crate::import::MorphTrees;
+
+/// Whether meshes may need other trees since the system last ran.
+#[derive(SystemParam)]
+pub(super) struct TreeChanges<'w, 's> {
+    meshes: Query<'w, 's, (Entity, Ref<'static, Mesh3d>, Option<Ref<'static, SkinnedMesh>>), Culled>,
+    rows: Local<'s, Rows>,
+    version: Local<'s, u64>,
+    ticks: SystemChangeTick,
+}
+
+impl TreeChanges<'_, '_> {
+    pub(super) fn any(&mut self, trees: &MorphTrees) -> bool {
+        let (Ok(mut meshes), Ok(lists)) = (self.meshes.contiguous_iter(), self.meshes.contiguous_iter()) else {
+            return true;
+        };
+        let is_same = self
+            .rows
+            .replace(lists.map(|(entities, _, skin)| (entities, has([skin.is_some()]))));
+        let is_other_version = std::mem::replace(&mut *self.version, trees.version()) != trees.version();
+        !is_same
+            || is_other_version
+            || trees.is_stale()
+            || ran_long_ago(&self.ticks)
+            || meshes.any(|(_, mesh, skin)| any_changed(Some(&mesh)) || any_changed(skin.as_ref()))
+    }
+}
 
 /// What determines the tree of a mesh, and its box, which others may overwrite.
 type Drawn = (

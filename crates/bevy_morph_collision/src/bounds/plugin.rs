@@ -9,8 +9,10 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
+use super::changes::TreeChanges;
 use super::culled::Culled;
 use super::drawn::{give_back, update_bounds};
+use crate::app::Column;
 use crate::import::{MorphTrees, TreeKey};
 use crate::setup::TreesPlugin;
 
@@ -23,7 +25,7 @@ use crate::setup::TreesPlugin;
 /// cannot be used keeps Bevy's box permanently, and the log says why.
 ///
 /// Cost per mesh: `O(active targets)`; for a skinned mesh also `O(joints)`. If no joint has moved, each joint is only checked for
-/// changes.
+/// changes. If there is no skinned mesh, and nothing about the others has changed, a mesh costs a few comparisons.
 ///
 /// Bevy transforms the box of a skinned mesh by the mesh's [`GlobalTransform`], although it draws the mesh without it. The plugin
 /// therefore computes the box in that space. It is as tight for a character that turns as for one that does not, as long as the
@@ -92,11 +94,15 @@ impl Plugin for MorphBoundsPlugin {
     }
 }
 
-/// Checks all meshes every frame: an entity may have been disabled or opted out until now, or its tree may have been dropped.
+/// Checks all meshes if any may need another tree: an entity may have been disabled or opted out until now, or its tree may have been dropped.
 fn request_trees_to_cull(
     culled: Query<(Entity, &Mesh3d, Option<&SkinnedMesh>), Culled>,
+    mut changes: TreeChanges,
     mut trees: ResMut<MorphTrees>,
 ) {
+    if !changes.any(&trees) {
+        return;
+    }
     for (entity, mesh, skin) in &culled {
         let key = TreeKey::of(mesh, None, skin);
         if !trees.is_known(key) {
@@ -119,12 +125,14 @@ fn forget_bounds<C: Component>(
 /// Marks morphing meshes that became visible as changed for two more frames, so that Bevy uploads their weights.
 fn draw_again(
     mut meshes: Query<(Entity, &ViewVisibility, &mut Aabb), With<MeshMorphWeights>>,
-    came: Query<Entity, (With<MeshMorphWeights>, Changed<ViewVisibility>)>,
+    seen: Query<(Entity, Ref<ViewVisibility>), With<MeshMorphWeights>>,
     mut left: Local<EntityHashMap<u8>>,
 ) {
     const FRAMES: u8 = 2;
-    for entity in &came {
-        left.insert(entity, FRAMES);
+    // Both components are in tables.
+    for (entities, visible) in seen.contiguous_iter().into_iter().flatten() {
+        let column = Column::changed(&visible);
+        left.extend(column.new_rows().map(|row| (entities[row], FRAMES)));
     }
     left.retain(|&entity, frames| {
         let Ok((_, visible, mut aabb)) = meshes.get_mut(entity) else {

@@ -82,6 +82,8 @@ mod tests {
         let model = MorphModel::from_displacements(&corners, &[[0, 1, 2]], &[] as &[Vec<Vec3>]).unwrap();
         let tree = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
         let key = Arc::as_ptr(&tree).addr();
+        // More than a proof has.
+        let users = vec![tree.clone(); OWN_COUNT];
         let task = AsyncComputeTaskPool::get_or_init(Default::default).spawn(async { None });
         let mut proofs = Proofs::default();
         proofs.0.insert(key, (tree.clone(), Proof::Running(task)));
@@ -94,7 +96,7 @@ mod tests {
             proofs.request(&tree);
             assert!(matches!(proofs.0[&key].1, Proof::Impossible));
         }
-        drop(tree);
+        drop((tree, users));
         proofs.take_finished();
         assert!(proofs.0.is_empty());
     }

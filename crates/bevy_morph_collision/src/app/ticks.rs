@@ -10,7 +10,7 @@ use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
 /// How many ticks are compared before looking whether one of them is new.
-pub(crate) const BLOCK: usize = 64;
+const BLOCK: usize = 64;
 
 /// The ticks of one component in a table.
 #[derive(Clone, Copy)]
@@ -57,20 +57,20 @@ impl<'w> Column<'w> {
 
     /// The rows to which it happened since the system last ran.
     pub(crate) fn new_rows(&self) -> impl Iterator<Item = usize> {
-        let rows = self.ticks.len();
-        let blocks = (0..rows)
-            .step_by(BLOCK)
-            .map(move |start| start..rows.min(start + BLOCK));
-        let new = blocks.filter(|block| self.any_new_in(block.clone()));
+        let new = blocks(self.ticks.len()).filter(|block| self.any_new_in(block.clone()));
         new.flatten().filter(|&row| self.is_new(row))
     }
 
     /// Whether it happened to any row.
     fn any_new(&self) -> bool {
-        let rows = self.ticks.len();
-        let mut starts = (0..rows).step_by(BLOCK);
-        starts.any(|start| self.any_new_in(start..rows.min(start + BLOCK)))
+        blocks(self.ticks.len()).any(|block| self.any_new_in(block))
     }
+}
+
+/// The rows of a table of this length, in blocks.
+pub(crate) fn blocks(rows: usize) -> impl Iterator<Item = Range<usize>> {
+    let starts = (0..rows).step_by(BLOCK);
+    starts.map(move |start| start..rows.min(start + BLOCK))
 }
 
 /// Whether a component of a table was changed or added since the system last ran. False if the table does not have the component.

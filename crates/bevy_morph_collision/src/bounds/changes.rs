@@ -2,13 +2,14 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::culled::Culled;
 use crate::app::{Rows, any_changed, has, ran_long_ago};
 use crate::import::MorphTrees;
+use crate::posing::SharedWeightChanges;
 
 /// Whether meshes may need other trees since the system last ran.
 #[derive(SystemParam)]
@@ -45,40 +46,33 @@ type Drawn = (
     Option<Ref<'static, SkinnedMesh>>,
 );
 
-/// Whether boxes may have to change since the system last ran.
+/// Whether boxes of meshes without joints may have to change since the system last ran. Joints are other entities, and not looked at here.
 #[derive(SystemParam)]
 pub(super) struct BoundsChanges<'w, 's> {
     meshes: Query<'w, 's, Drawn, Culled>,
-    shared: Query<'w, 's, (Entity, Ref<'static, MorphWeights>)>,
-    mesh_rows: Local<'s, Rows>,
-    weight_rows: Local<'s, Rows>,
+    shared: SharedWeightChanges<'w, 's>,
+    rows: Local<'s, Rows>,
     /// The version of the trees, if none was being built.
     version: Local<'s, Option<u64>>,
-    ticks: SystemChangeTick,
 }
 
 impl BoundsChanges<'_, '_> {
-    /// Always true while trees are being built, and if joints move a mesh: joints are other entities.
+    /// Always true while trees are being built.
     pub(super) fn any(&mut self, trees: &MorphTrees) -> bool {
-        let (Ok(meshes), Ok(lists), Ok(shared), Ok(sources)) = (
-            self.meshes.contiguous_iter(),
-            self.meshes.contiguous_iter(),
-            self.shared.contiguous_iter(),
-            self.shared.contiguous_iter(),
-        ) else {
+        let are_shared_new = self.shared.any();
+        let (Ok(mut meshes), Ok(lists)) = (self.meshes.contiguous_iter(), self.meshes.contiguous_iter()) else {
             return true;
         };
         let lists = lists.map(|(entities, _, _, weights, skin)| (entities, has([weights.is_some(), skin.is_some()])));
+        let is_same = self.rows.replace(lists);
         let version = (trees.building() == 0).then(|| trees.version());
-        let mut is_new = std::mem::replace(&mut *self.version, version) != version || version.is_none();
-        // All of them are remembered, whatever the others say.
-        is_new |= !self.mesh_rows.replace(lists);
-        is_new |= !self.weight_rows.replace(sources.map(|(entities, _)| (entities, 0)));
-        is_new
-            || ran_long_ago(&self.ticks)
-            || meshes.into_iter().any(|(_, mesh, aabb, weights, skin)| {
-                skin.is_some() || any_changed(Some(&mesh)) || any_changed(Some(&aabb)) || any_changed(weights.as_ref())
+        let is_other_version = std::mem::replace(&mut *self.version, version) != version || version.is_none();
+        !is_same
+            || is_other_version
+            || are_shared_new
+            || meshes.any(|(_, mesh, aabb, weights, skin)| {
+                let is_new = any_changed(Some(&mesh)) || any_changed(Some(&aabb)) || any_changed(weights.as_ref());
+                skin.is_none() && is_new
             })
-            || shared.into_iter().any(|(_, weights)| any_changed(Some(&weights)))
     }
 }

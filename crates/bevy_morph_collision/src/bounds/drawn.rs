@@ -139,17 +139,18 @@ impl CachedBounds {
     }
 }
 
-/// Updates the boxes of deforming meshes so that they contain what is drawn. Looks at none if nothing has changed.
+/// Updates the boxes of deforming meshes so that they contain what is drawn. If nothing else has changed, looks only at skinned meshes.
 pub(super) fn update_bounds(
     mut meshes: ParamSet<(BoundsChanges, Query<DrawnMesh, Culled>)>,
     mut drawn: DrawnMeshes,
     mut commands: Commands,
 ) {
-    if !meshes.p0().any(&drawn.trees) {
-        return;
-    }
+    let only_skinned = !meshes.p0().any(&drawn.trees);
     drawn.begin();
     for (entity, mesh, weights, skin, world_from_entity, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes.p1() {
+        if only_skinned && skin.is_none() {
+            continue;
+        }
         let key = TreeKey::of(mesh, None, skin);
         if drawn.trees.up_to_date(key).is_none() {
             if had_dynamic {

@@ -25,7 +25,7 @@ use crate::setup::TreesPlugin;
 /// cannot be used keeps Bevy's box permanently, and the log says why.
 ///
 /// Cost per mesh: `O(active targets)`; for a skinned mesh also `O(joints)`. If no joint has moved, each joint is only checked for
-/// changes. If there is no skinned mesh, and nothing about the others has changed, a mesh costs a few comparisons.
+/// changes. While nothing about the meshes without joints changes, they cost a few comparisons.
 ///
 /// Bevy transforms the box of a skinned mesh by the mesh's [`GlobalTransform`], although it draws the mesh without it. The plugin
 /// therefore computes the box in that space. It is as tight for a character that turns as for one that does not, as long as the

@@ -3,7 +3,7 @@
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::prelude::*;
 
-use crate::app::{BLOCK, Column, Rows, any_added, has, ran_long_ago};
+use crate::app::{Column, Rows, any_added, blocks, has, ran_long_ago};
 use crate::components::{MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape};
 use crate::state::ColliderState;
 
@@ -69,8 +69,7 @@ impl Visits<'_, '_> {
                 disabled.as_ref().map(Column::changed),
             ];
             let columns = || columns.iter().flatten();
-            for start in (0..entities.len()).step_by(BLOCK) {
-                let block = start..entities.len().min(start + BLOCK);
+            for block in blocks(entities.len()) {
                 if columns().any(|column| column.any_new_in(block.clone())) {
                     let is_new = |&row: &usize| columns().any(|column| column.is_new(row));
                     changed.extend(block.filter(is_new).map(|row| entities[row]));

@@ -14,5 +14,5 @@ pub(crate) use joints::read_joints;
 pub(crate) use lent_poses::LentPoses;
 pub(crate) use previous::remember_previous;
 pub use skeletons::{BindPoses, Skeleton, Skeletons};
-pub(crate) use weights::read_weights;
+pub(crate) use weights::{SharedWeightChanges, read_weights};
 pub use weights::{WeightsProblem, drawn_weights, take_weights};

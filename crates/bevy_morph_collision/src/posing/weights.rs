@@ -37,26 +37,36 @@ impl WeightsProblem {
 #[derive(SystemParam)]
 pub(crate) struct WeightChanges<'w, 's> {
     own: Query<'w, 's, Ref<'static, MeshMorphWeights>, With<MorphCollider>>,
-    shared: Query<'w, 's, (Entity, Ref<'static, MorphWeights>)>,
+    shared: SharedWeightChanges<'w, 's>,
+}
+
+/// Whether the weights of any entity that others refer to have changed.
+#[derive(SystemParam)]
+pub(crate) struct SharedWeightChanges<'w, 's> {
+    weights: Query<'w, 's, (Entity, Ref<'static, MorphWeights>)>,
     rows: Local<'s, Rows>,
     ticks: SystemChangeTick,
+}
+
+impl SharedWeightChanges<'_, '_> {
+    /// Whether any changed, came or went since the system last ran. Also true if that was so long ago that nobody knows.
+    pub(crate) fn any(&mut self) -> bool {
+        let (Ok(mut weights), Ok(lists)) = (self.weights.contiguous_iter(), self.weights.contiguous_iter()) else {
+            return true;
+        };
+        let are_same = self.rows.replace(lists.map(|(entities, _)| (entities, 0)));
+        !are_same || ran_long_ago(&self.ticks) || weights.any(|(_, weights)| any_changed(Some(&weights)))
+    }
 }
 
 impl WeightChanges<'_, '_> {
     /// Whether any weights changed, came or went since the last run.
     fn any(&mut self) -> bool {
-        let (Ok(mut own), Ok(mut shared), Ok(sources)) = (
-            self.own.contiguous_iter(),
-            self.shared.contiguous_iter(),
-            self.shared.contiguous_iter(),
-        ) else {
+        let are_shared_new = self.shared.any();
+        let Ok(mut own) = self.own.contiguous_iter() else {
             return true;
         };
-        let are_same = self.rows.replace(sources.map(|(entities, _)| (entities, 0)));
-        !are_same
-            || ran_long_ago(&self.ticks)
-            || own.any(|weights| any_changed(Some(&weights)))
-            || shared.any(|(_, weights)| any_changed(Some(&weights)))
+        are_shared_new || own.any(|weights| any_changed(Some(&weights)))
     }
 }
 

@@ -303,8 +303,8 @@ bench *NAME:
 # Counts the instructions of 20 frames of the bench scenes, in millions (needs valgrind). Default: all scenes.
 instructions *SCENES: (instructions-of "morph" SCENES)
 
-# The same for ours, for frozen meshes, and for the hybrid and the full refit, both with our code.
-instructions-rivals *SCENES: (instructions-of "morph rigid-floor hybrid bottom-up" SCENES)
+# The same for ours, and for the hybrid and the full refit, both with our code.
+instructions-rivals *SCENES: (instructions-of "morph hybrid bottom-up" SCENES)
 
 [private]
 instructions-of METHODS *SCENES: release

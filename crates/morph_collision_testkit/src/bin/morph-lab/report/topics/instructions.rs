@@ -31,7 +31,7 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
 }
 
 /// The methods beside ours in the table of scenes.
-const OTHERS: [&str; 3] = ["rigid-floor", "hybrid", "bottom-up"];
+const OTHERS: [&str; 2] = ["hybrid", "bottom-up"];
 
 /// The section about the scenes, if they were counted. Columns are a method and a question.
 fn of_scenes(counts: &[Count]) -> String {
@@ -40,14 +40,7 @@ fn of_scenes(counts: &[Count]) -> String {
     }
     let mut scenes: Vec<&str> = counts.iter().map(|count| count.row.as_str()).collect();
     scenes.dedup();
-    let head = [
-        "all pairs / first pairs",
-        "ours, millions",
-        "lower limit",
-        "hybrid",
-        "full refit",
-    ];
-    let mut table = Table::new(head);
+    let mut table = Table::new(["all pairs / first pairs", "ours, millions", "hybrid", "full refit"]);
     for scene in scenes {
         let value = |method: &str, wanted: &str| {
             let column = format!("{method},{wanted}");
@@ -66,7 +59,7 @@ fn of_scenes(counts: &[Count]) -> String {
     }
     format!(
         "## Scenes\n\nMillion instructions of 20 frames, and how many times as many others take, for all pairs and for first pairs (for rays, both are the same).\n\
-         The *lower limit* is our own tree over meshes frozen beforehand, with tight boxes and nothing to blend. The hybrid and the full refit use our code.\n\n{table}"
+         The hybrid and the full refit use our code.\n\n{table}"
     )
 }
 
@@ -112,18 +105,13 @@ mod tests {
         let counts = [
             count("hands", "morph,all", 2.0),
             count("hands", "morph,first", 1.0),
-            count("hands", "rigid-floor,all", 0.2),
-            count("hands", "rigid-floor,first", 0.3),
             count("hands", "hybrid,all", 3.0),
             count("hands", "hybrid,first", 0.5),
             count("rays", "morph,all", 4.0),
             count("rays", "bottom-up,all", 20.0),
         ];
         let section = of_scenes(&counts);
-        for row in [
-            "| hands | 2.00 / 1.00 | 0.10 / 0.30 | 1.5 / 0.50 | - |",
-            "| rays | 4.00 | - | - | 5.0 |",
-        ] {
+        for row in ["| hands | 2.00 / 1.00 | 1.5 / 0.50 | - |", "| rays | 4.00 | - | 5.0 |"] {
             assert!(section.contains(row), "{section}");
         }
         assert_eq!(of_scenes(&[]), "");

@@ -303,8 +303,8 @@ bench *NAME:
 # Counts the instructions of 20 frames of the bench scenes, in millions (needs valgrind). Default: all scenes.
 instructions *SCENES: (instructions-of "morph" SCENES)
 
-# The same for ours, and for the hybrid and the full refit, both with our code.
-instructions-rivals *SCENES: (instructions-of "morph hybrid bottom-up" SCENES)
+# The same for ours, for the hybrid and the full refit, both with our code, and for bodies that do not deform.
+instructions-rivals *SCENES: (instructions-of "morph hybrid bottom-up rigid-floor" SCENES)
 
 [private]
 instructions-of METHODS *SCENES: release
@@ -317,7 +317,7 @@ instructions-of METHODS *SCENES: release
         column=$2
         if [ "{{METHODS}}" != morph ]; then column=$3,$2; fi
         # The first pass and the set-up are not counted.
-        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$lab" frames $1 $2 --method $3 2>&1); then
+        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_frame*' "$lab" frames $1 $2 --method $3 2>&1); then
             awk -v s=$1 -v w=$column -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }' > "$counts/$1 $2 $3"
         elif [ $2 = all ]; then
             echo "skipped: $(sed -n 's/^morph-lab: error: //p' <<< "$output")" >&2

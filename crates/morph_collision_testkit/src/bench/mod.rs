@@ -10,9 +10,8 @@
 //!   disturbances affect all alike. Round 0 fills caches and allocates memory, and is discarded. A ratio is the median over the
 //!   rounds of the ratio within a round. A time is the median over the rounds.
 //! - **Over whole frames.** In a frame, every body gets its weights and placement, the boxes of bodies are swept for overlaps,
-//!   and each overlapping pair is queried for its triangles. Times exclude loading, building and
-//!   [`Method::prepare`](crate::rivals::Method::prepare). If `prepare` did anything, the frame is run once before it is timed,
-//!   because in a real scene bodies that never change would have been queried long before.
+//!   and each overlapping pair is queried for its triangles. Times exclude loading, building and what is
+//!   [prepared](Questions::prepare).
 //! - **On one thread**, [pinned](pin) to a core if the caller wants it. The [`Stopwatch`] measures processor time, so that
 //!   waiting for a processor does not count. The reading of an idle stopwatch is subtracted.
 //!

@@ -3,7 +3,7 @@
 use morph_collision::TrianglePair;
 
 use super::Experiment;
-use crate::rivals::{BroadPhase, Method};
+use crate::rivals::{BroadPhase, Method, PoseError};
 use morph_collision::batch::Wanted;
 
 /// Asks a method the questions of an experiment's frames; keeps the memory that frames reuse.
@@ -23,6 +23,29 @@ pub struct Answer {
 }
 
 impl Questions {
+    /// [Prepares](Method::prepare) the bodies' shapes of a frame, outside of all measurements. If anything had to be prepared, the frame is run once, because in a
+    /// real scene bodies that never change would have been queried long before.
+    ///
+    /// # Errors
+    /// See [`Method::prepare`] and [`Experiment::set_bodies`].
+    pub fn prepare(
+        &mut self,
+        experiment: &Experiment,
+        index: usize,
+        method: &mut dyn Method,
+        wanted: Wanted,
+    ) -> Result<(), PoseError> {
+        let mut prepared = false;
+        for (body, (weights, _)) in experiment.frames[index].iter().enumerate() {
+            prepared |= method.prepare(body, weights, experiment.joints_of(index, body))?;
+        }
+        if prepared {
+            experiment.set_bodies(method, index)?;
+            self.answer(experiment, index, method, wanted);
+        }
+        Ok(())
+    }
+
     /// Broad phase and queries of a frame, or its rays. The bodies' poses must have been set before.
     pub fn answer(&mut self, experiment: &Experiment, index: usize, method: &mut dyn Method, wanted: Wanted) -> Answer {
         let mut found = Answer::default();

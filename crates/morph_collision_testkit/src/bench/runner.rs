@@ -52,7 +52,8 @@ impl Runner {
         self.begin(experiment)?;
         let mut pass = Pass::default();
         for index in 0..experiment.frames.len() {
-            self.prepare(experiment, index, wanted)?;
+            self.questions
+                .prepare(experiment, index, self.method.as_mut(), wanted)?;
             let before = self.method.work();
             let clock = Stopwatch::start();
             experiment.set_bodies(self.method.as_mut(), index)?;
@@ -69,7 +70,8 @@ impl Runner {
         self.begin(experiment)?;
         let mut split = SplitPass::default();
         for (index, frame) in experiment.frames.iter().enumerate() {
-            self.prepare(experiment, index, wanted)?;
+            self.questions
+                .prepare(experiment, index, self.method.as_mut(), wanted)?;
             self.moved.clear();
             let clock = Stopwatch::start();
             for (body, (weights, place)) in frame.iter().enumerate() {
@@ -103,20 +105,6 @@ impl Runner {
         for (body, (weights, place)) in experiment.frames.iter().take(1).flatten().enumerate() {
             let others: Vec<f32> = weights.iter().map(|weight| 0.5 * weight + 0.125).collect();
             self.method.set_body(body, &others, place)?;
-        }
-        Ok(())
-    }
-
-    /// Runs the frame once if anything had to be prepared for it.
-    fn prepare(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Result<(), PoseError> {
-        let frame = &experiment.frames[index];
-        let mut prepared = false;
-        for (body, (weights, _)) in frame.iter().enumerate() {
-            prepared |= self.method.prepare(body, weights, experiment.joints_of(index, body))?;
-        }
-        if prepared {
-            experiment.set_bodies(self.method.as_mut(), index)?;
-            self.questions.answer(experiment, index, self.method.as_mut(), wanted);
         }
         Ok(())
     }

@@ -1,5 +1,5 @@
 //! `morph-lab frames dolphins-564 all`, also `--method hybrid`: runs all frames of a benchmark scene once to fill caches, and again to count instructions. See
-//! `just instructions`.
+//! `just instructions`. What a method prepares is not counted.
 //!
 //! Counts are comparable only between machines with the same kernel. The program reads no clock, because valgrind cannot run the stopwatch
 //! of the benchmarks.
@@ -51,11 +51,16 @@ pub(crate) fn frames(args: &FramesArgs) -> Result<Verdict, AnyError> {
     let entrant = entrant.ok_or_else(|| format!("{scene} is not a scene for {}", args.method))?;
     let mut method = entrant.set_up(&experiment, &MethodOptions::default())?.method;
     let mut questions = Questions::default();
-    pass(&experiment, method.as_mut(), &mut questions, wanted)?;
-    println!(
-        "{} pairs or hits",
-        counted_pass(&experiment, method.as_mut(), &mut questions, wanted)?
-    );
+    let method = method.as_mut();
+    let mut found = 0;
+    for frame_of in [one_frame, counted_frame] {
+        found = 0;
+        for index in 0..experiment.frames.len() {
+            questions.prepare(&experiment, index, method, wanted)?;
+            found += frame_of(&experiment, index, method, &mut questions, wanted)?;
+        }
+    }
+    println!("{found} pairs or hits");
     Ok(Verdict::Clean)
 }
 
@@ -67,40 +72,38 @@ fn many_questions(many: Many, mode: Mode) -> Result<Verdict, AnyError> {
         Mode::First => Asked::OneByOne,
     };
     questions.ask(0, asked)?;
-    let (found, _) = many_counted_pass(&mut questions, asked)?;
+    let (found, _) = counted_frame_of_many(&mut questions, asked)?;
     println!("{found} found");
     Ok(Verdict::Clean)
 }
 
 /// Callgrind is told to collect only in here.
 #[inline(never)]
-fn many_counted_pass(questions: &mut ManyQuestions, asked: Asked) -> Result<(usize, f64), NotAsked> {
+fn counted_frame_of_many(questions: &mut ManyQuestions, asked: Asked) -> Result<(usize, f64), NotAsked> {
     questions.ask(1, asked)
 }
 
 /// Callgrind is told to collect only in here.
 #[inline(never)]
-fn counted_pass(
+fn counted_frame(
     experiment: &Experiment,
+    index: usize,
     method: &mut dyn Method,
     questions: &mut Questions,
     wanted: Wanted,
 ) -> Result<u64, PoseError> {
-    pass(experiment, method, questions, wanted)
+    one_frame(experiment, index, method, questions, wanted)
 }
 
-/// Runs all frames. Returns the number of intersecting pairs, or of rays that hit.
+/// Returns the number of intersecting pairs, or of rays that hit.
 #[inline(never)]
-fn pass(
+fn one_frame(
     experiment: &Experiment,
+    index: usize,
     method: &mut dyn Method,
     questions: &mut Questions,
     wanted: Wanted,
 ) -> Result<u64, PoseError> {
-    let mut found = 0;
-    for index in 0..experiment.frames.len() {
-        experiment.set_bodies(&mut *method, index)?;
-        found += questions.answer(experiment, index, method, wanted).pairs;
-    }
-    Ok(found)
+    experiment.set_bodies(method, index)?;
+    Ok(questions.answer(experiment, index, method, wanted).pairs)
 }

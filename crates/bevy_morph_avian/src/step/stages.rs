@@ -9,6 +9,7 @@ use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::prelude::*;
 use bevy_morph_physics::engine::Sources;
 use bevy_morph_physics::push::StepParams;
+use bevy_morph_physics::shape::MassBudget;
 use bevy_morph_physics::time::StepTime;
 use parry3d::shape::SharedShape;
 
@@ -124,7 +125,9 @@ pub(super) fn update_collider(
 ) {
     let entity = surface.entity;
     let solid = surface.settings.solid;
-    let sides = surface.state.set_sides(solid, role.on_dynamic, || sources.name(entity));
+    let sides = surface
+        .state
+        .set_sides(solid, role.on_dynamic, &mut step.masses, || sources.name(entity));
     let moving = &surface.state.moving;
     let shape = || {
         let whole = WholeSurface::new(moving.surface.clone(), role.has_contacts, step.now.clone());
@@ -155,6 +158,7 @@ pub(super) struct StepInput<'a> {
     pub(super) changed: &'a mut Vec<(Entity, f32)>,
     /// The velocity changes of bodies inside solid surfaces.
     pub(super) expelled: &'a mut EntityHashMap<Vec3>,
+    pub(super) masses: MassBudget,
 }
 
 /// Puts the parts with which a surface pushes into the world. Returns how many had to be blended.

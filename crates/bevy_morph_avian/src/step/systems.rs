@@ -12,6 +12,7 @@ use bevy::prelude::*;
 use bevy_morph_physics::MorphPhysicsDiagnostics;
 use bevy_morph_physics::engine::Sources;
 use bevy_morph_physics::push::{Budget, middle};
+use bevy_morph_physics::shape::MassBudget;
 use bevy_morph_physics::time::{InFixedLoop, StepTime};
 
 use super::query::{Surface, World};
@@ -65,6 +66,7 @@ pub(crate) fn before_step(
         movers,
         changed,
         expelled,
+        masses: MassBudget::default(),
     };
     sources.skeletons.begin();
     for mut surface in &mut surfaces {

@@ -9,7 +9,7 @@ use tracing::{error, warn};
 
 use super::interface::Engine;
 use crate::moving::{MovingSurface, Prediction};
-use crate::shape::{MAX_COORDINATE, box_in_range, in_range, not_closed};
+use crate::shape::{MAX_COORDINATE, MassBudget, box_in_range, in_range, not_closed};
 use crate::time::{StepTime, WeightSource};
 
 /// A surface in the physics of one engine.
@@ -91,14 +91,20 @@ impl<E: Engine> PhysicsSurface<E> {
         self.exclusion.is_none() && !self.moving.lacks_joints()
     }
 
-    /// Decides from which sides the surface pushes, and continues to compute its mass. The first time that a solid surface is not
-    /// closed, this is logged.
-    pub fn set_sides(&mut self, solid: bool, on_dynamic: bool, name: impl Fn() -> String) -> Sides {
+    /// Decides from which sides the surface pushes, and continues to compute its mass within the budget of the step. The first time that a
+    /// solid surface is not closed, this is logged.
+    pub fn set_sides(
+        &mut self,
+        solid: bool,
+        on_dynamic: bool,
+        masses: &mut MassBudget,
+        name: impl Fn() -> String,
+    ) -> Sides {
         self.moving.on_dynamic = on_dynamic;
         let mut posed = self.moving.surface.lock();
         let turned = posed.set_sides(solid, on_dynamic, self.moving.reshaped);
         let sides = Sides {
-            turned: posed.advance_mass(on_dynamic) || turned,
+            turned: posed.advance_mass(on_dynamic, masses) || turned,
             is_closed: posed.is_closed(),
         };
         drop(posed);

@@ -1,14 +1,25 @@
 //! The mass of the volume that a surface encloses.
 //!
 //! Engines request the mass of every collider as soon as they get it, but use it only for dynamic bodies. For a large mesh it takes several
-//! milliseconds, so otherwise it is computed over several steps.
+//! milliseconds, so otherwise it is computed over several steps, one surface after another.
 
 use bevy::math::{DMat3, DVec3};
 use morph_collision::{Pose, WorldFromModel};
 use parry3d::mass_properties::MassProperties;
 
 /// How many vertices and triangles are looked at per step. Triangles are looked at three times.
-pub(crate) const PIECE: usize = 1 << 12;
+const PIECE: usize = 1 << 12;
+
+/// How many vertices and triangles may still be looked at in a step, for all surfaces whose mass nobody depends on.
+///
+/// Surfaces that appear together are weighed one after another, so that a crowd takes no longer in a step than one surface.
+pub struct MassBudget(usize);
+
+impl Default for MassBudget {
+    fn default() -> Self {
+        Self(PIECE)
+    }
+}
 
 /// A volume this small, relative to what it could be, is rounding of the vertices.
 const ROUNDING: f64 = 1e-6;
@@ -33,7 +44,7 @@ impl Mass {
         }
         match self {
             Self::InProgress(computation) if at_once || computation.work() <= PIECE => {
-                self.advance(true);
+                self.advance(None);
             }
             _ => {}
         }
@@ -43,12 +54,21 @@ impl Mass {
         }
     }
 
-    /// Does the next piece of work, or all of it. Returns whether this has made the mass known.
-    pub(crate) fn advance(&mut self, to_the_end: bool) -> bool {
+    /// Does as much of the work as the budget allows, or all of it. Returns whether this has made the mass known.
+    pub(crate) fn advance(&mut self, budget: Option<&mut MassBudget>) -> bool {
         let Self::InProgress(computation) = self else {
             return false;
         };
-        computation.process(if to_the_end { computation.work() } else { PIECE });
+        let left = computation.work() - computation.processed;
+        let count = match budget {
+            Some(MassBudget(budget)) => {
+                let count = left.min(*budget);
+                *budget -= count;
+                count
+            }
+            None => left,
+        };
+        computation.process(count);
         let is_done = computation.processed == computation.work();
         if is_done {
             *self = Self::Known(computation.mass());
@@ -95,7 +115,7 @@ impl MassComputation {
             vertices,
             triangles,
             processed: 0,
-            positions: Vec::with_capacity(vertices),
+            positions: Vec::new(),
             sum_of_corners: DVec3::ZERO,
             volume: 0.0,
             largest_volume: 0.0,
@@ -112,6 +132,9 @@ impl MassComputation {
     /// Looks at the next vertices and triangles.
     fn process(&mut self, count: usize) {
         let end = self.work().min(self.processed + count);
+        if self.processed == 0 && end > 0 {
+            self.positions.reserve_exact(self.vertices);
+        }
         for item in self.processed..end {
             let Some(item) = item.checked_sub(self.vertices) else {
                 let vertex = self.pose.vertex(item as u32).unwrap_or_default();
@@ -216,7 +239,7 @@ mod tests {
         for is_open in [false, true] {
             let (mut pose, collider_from_model) = (ball(20, is_open), collider_from_model());
             let mut mass = Mass::InProgress(Box::new(MassComputation::new(&pose, &collider_from_model)));
-            mass.advance(true);
+            mass.advance(None);
             let Mass::Known(mass) = mass else {
                 panic!("it is known now")
             };
@@ -254,7 +277,7 @@ mod tests {
         let model = MorphModel::from_displacements::<Vec<Vec3>>(&corners, &[[0, 1, 2], [2, 1, 3]], &[]).unwrap();
         let pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
         let mut mass = Mass::InProgress(Box::new(MassComputation::new(&pose, &WorldFromModel::IDENTITY)));
-        assert!(mass.advance(true));
+        assert!(mass.advance(None));
         assert!(matches!(mass, Mass::Known(mass) if mass == MassProperties::default()));
     }
 
@@ -280,7 +303,7 @@ mod tests {
             assert_eq!(mass.request(false, start), MassProperties::default());
             assert_eq!(processed(&mass), Some(last), "requests take no time");
             steps += 1;
-            if mass.advance(false) {
+            if mass.advance(Some(&mut MassBudget::default())) {
                 break;
             }
             let now = processed(&mass).unwrap();
@@ -291,8 +314,35 @@ mod tests {
         assert_eq!(mass.request(false, || panic!("it is known")), expected);
         // As soon as someone depends on it, the rest is done at once.
         let mut mass = start();
-        mass.advance(false);
+        mass.advance(Some(&mut MassBudget::default()));
         assert_eq!(mass.request(true, || panic!("it is in progress")), expected);
+    }
+
+    #[test]
+    fn a_crowd_is_weighed_within_one_budget() {
+        let pose = ball(80, false);
+        let start = || Mass::InProgress(Box::new(MassComputation::new(&pose, &collider_from_model())));
+        let expected = Mass::default().request(true, start);
+        let mut crowd: [Mass; 3] = std::array::from_fn(|_| start());
+        let total: usize = crowd.iter().filter_map(processed).sum();
+        assert_eq!(total, 0);
+        let mut steps = 0;
+        while !crowd.iter().all(|mass| matches!(mass, Mass::Known(_))) {
+            let before: usize = crowd.iter().filter_map(processed).sum();
+            let mut budget = MassBudget::default();
+            for mass in &mut crowd {
+                mass.advance(Some(&mut budget));
+            }
+            let after: usize = crowd.iter().filter_map(processed).sum();
+            assert!(after <= before + PIECE);
+            steps += 1;
+            assert!(steps < 1000, "it never ends");
+        }
+        let work = 3 * MassComputation::new(&pose, &collider_from_model()).work();
+        assert_eq!(steps, work.div_ceil(PIECE));
+        for mut mass in crowd {
+            assert_eq!(mass.request(false, || panic!("it is known")), expected);
+        }
     }
 
     #[test]

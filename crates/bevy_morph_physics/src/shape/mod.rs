@@ -12,6 +12,7 @@ mod triangles;
 
 pub use inside::{Probe, is_mirrored, not_closed, one_encloses_other};
 pub use layout::{MeshLayout, MeshLayouts, NONE, add_to_trees};
+pub use mass::MassBudget;
 pub use pair::{Range, check};
 pub use patch::{LookAhead, Patch};
 pub use posed::Posed;

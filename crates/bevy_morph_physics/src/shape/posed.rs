@@ -11,7 +11,7 @@ use parry3d::query::{PointProjection, Ray, RayIntersection};
 use parry3d::shape::{FeatureId, Triangle};
 
 use super::layout::MeshLayout;
-use super::mass::{Mass, MassComputation};
+use super::mass::{Mass, MassBudget, MassComputation};
 use super::range::box_in_range;
 use super::triangles::{Triangles, pseudo_normals};
 use crate::math::largest;
@@ -137,11 +137,11 @@ impl Posed {
         mass
     }
 
-    /// Continues to compute the mass if someone has requested it: a part of it, or all of it if a dynamic body carries the surface. Returns
-    /// whether the mass has become known, so that physics has to request it again.
-    pub(crate) fn advance_mass(&mut self, on_dynamic: bool) -> bool {
+    /// Continues to compute the mass if someone has requested it: within the budget, or all of it if a dynamic body carries the surface.
+    /// Returns whether the mass has become known, so that physics has to request it again.
+    pub(crate) fn advance_mass(&mut self, on_dynamic: bool, budget: &mut MassBudget) -> bool {
         self.is_mass_needed |= on_dynamic;
-        let is_new = self.mass.advance(self.is_mass_needed);
+        let is_new = self.mass.advance((!self.is_mass_needed).then_some(budget));
         self.mass_changed |= is_new;
         is_new
     }

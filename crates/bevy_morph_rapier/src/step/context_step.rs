@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_morph_physics::MorphPhysicsDiagnostics;
 use bevy_morph_physics::engine::Sources;
 use bevy_morph_physics::push::StepParams;
-use bevy_morph_physics::shape::MAX_COORDINATE;
+use bevy_morph_physics::shape::{MAX_COORDINATE, MassBudget};
 use bevy_morph_physics::time::StepTime;
 use bevy_rapier3d::rapier::dynamics::IntegrationParameters;
 use tracing::error;
@@ -29,6 +29,8 @@ pub(super) struct ContextStep<'a> {
     /// Found when a surface needs them.
     pub(super) obstacles: Option<Obstacles>,
     pub(super) movers: &'a Movers,
+    /// For the surfaces of all worlds.
+    pub(super) masses: &'a mut MassBudget,
     /// Set while a step is in progress.
     pub(super) now: &'a Arc<AtomicBool>,
     /// The parts that become links of their body.
@@ -72,7 +74,7 @@ impl ContextStep<'_> {
         };
         diagnostics.surfaces += u32::from(role.is_enabled);
         diagnostics.moving += u32::from(role.is_enabled && it.surface.moving.moves);
-        let is_closed = update_collider(it, &role, sources, world);
+        let is_closed = update_collider(it, &role, sources, self.masses, world);
         if role.carrier.is_some() && self.obstacles.is_none() {
             self.obstacles = Some(Obstacles::find(world, self.time.dt, self.surface_count));
         }

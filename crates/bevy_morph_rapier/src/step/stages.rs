@@ -4,6 +4,7 @@
 use bevy::prelude::*;
 use bevy_morph_physics::engine::Sources;
 use bevy_morph_physics::math::{is_rigid, rigid_part};
+use bevy_morph_physics::shape::MassBudget;
 use bevy_morph_physics::time::StepTime;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle};
 use bevy_rapier3d::rapier::geometry::{Collider, InteractionGroups};
@@ -91,11 +92,17 @@ impl Role {
 }
 
 /// Tells Rapier what has changed about a surface. Returns whether its mesh is closed.
-pub(super) fn update_collider(it: &mut SurfaceItem, role: &Role, sources: &Sources, world: &mut World) -> bool {
+pub(super) fn update_collider(
+    it: &mut SurfaceItem,
+    role: &Role,
+    sources: &Sources,
+    masses: &mut MassBudget,
+    world: &mut World,
+) -> bool {
     let (entity, handle) = (it.entity, it.handle.0);
     let sides = it
         .surface
-        .set_sides(it.settings.solid, role.on_dynamic, || sources.name(entity));
+        .set_sides(it.settings.solid, role.on_dynamic, masses, || sources.name(entity));
     let moving = &it.surface.moving;
     let own_groups = if role.pushes_itself {
         role.wanted

@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use bevy_morph_physics::MorphPhysicsDiagnostics;
 use bevy_morph_physics::engine::Sources;
 use bevy_morph_physics::push::Budget;
+use bevy_morph_physics::shape::MassBudget;
 use bevy_morph_physics::time::{Span, StepTime, Timing};
 use bevy_rapier3d::plugin::TimestepMode;
 use bevy_rapier3d::plugin::context::{
@@ -53,6 +54,7 @@ pub(crate) fn before_step(
         false => sources.skeletons.begin(),
     }
     let (mut refused, mut has_stepped, mut share) = (HashSet::default(), false, None);
+    let mut masses = MassBudget::default();
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
         let (dt, interpolated) = time_ahead(mode, time, behind.diff);
         let span = fixed_span.unwrap_or(interpolated);
@@ -89,6 +91,7 @@ pub(crate) fn before_step(
             listeners: ContactListeners::of(&world, parameters.length_unit, is_single),
             obstacles: None,
             movers: &stepping.movers,
+            masses: &mut masses,
             now: &stepping.now,
             links: Vec::new(),
         };

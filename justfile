@@ -363,7 +363,7 @@ instructions-crowds *WAYS:
     report="${CARGO_TARGET_DIR:-target}/release/examples/report"
     ways="{{WAYS}}"
     for way in ${ways:-rapier rapier-surfaces rapier-walked avian avian-surfaces avian-walked}; do
-        output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_frames*' "$report" crowds --count $way 2>&1)
+        output=$(valgrind --fair-sched=yes --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_frames*' "$report" crowds --count $way 2>&1)
         # Ten frames are counted.
         awk -v way=$way -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-16s %8.3f\n", way, n / 10 / 1e6 }'
     done
@@ -375,7 +375,7 @@ instructions-run CROWD="idle" WITH="collisions":
     cargo build -p morph_collision_workspace --example report
     counts=$(mktemp)
     trap 'rm "$counts"' EXIT
-    valgrind --tool=callgrind "--callgrind-out-file=$counts" '--toggle-collect=*counted_update*' \
+    valgrind --fair-sched=yes --tool=callgrind "--callgrind-out-file=$counts" '--toggle-collect=*counted_update*' \
         "${CARGO_TARGET_DIR:-target}/debug/examples/report" crowds --count-run {{CROWD}} --with {{WITH}} 2>&1 |
         awk '/Collected : / { printf "%10.1f all\n", $NF / 4 / 1000 }'
     # Four frames are counted. A system's function may be inlined, but not one of those that run it, whose types name it last. They call each

@@ -5,5 +5,5 @@
 
 pub use crate::app::is_fixed;
 pub use crate::misuse::{check_in_next_frame, note_collider_component};
-pub use crate::posing::{BindPoses, Skeleton, Skeletons, WeightsProblem, drawn_weights, take_weights};
+pub use crate::posing::{CurrentSkeletons, Skeleton, WeightsProblem, add_skeletons, drawn_weights, take_weights};
 pub use crate::setup::ScenePart;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
-use glam::{Affine3A, BVec3A, DVec3, Vec3, Vec3A};
+use glam::{Affine3A, BVec3A, DVec3, Vec3A};
 
 use crate::exact::largest;
 use crate::input_error::{InputError, check_vector};
@@ -65,12 +65,11 @@ impl JointMatrices {
         }
         if !are_small.all() {
             for (joint, matrix) in world_from_mesh.iter().enumerate() {
-                check(joint, wide(matrix))?;
+                check(joint, columns(matrix).map(vector))?;
             }
         }
-        let columns = world_from_mesh.iter().map(|matrix| wide(matrix).map(pad));
         Ok(Self {
-            columns: columns.collect(),
+            columns: world_from_mesh.iter().map(columns).collect(),
             // The factor covers the roundings of two sums.
             linear_reach: f64::from(row_sums.max_element()) * (1.0 + 2.0 * f64::from(f32::EPSILON)),
             translation_reach: f64::from(translations.max_element()),
@@ -165,11 +164,20 @@ impl fmt::Debug for JointMatrices {
 }
 
 /// The columns of a matrix.
-fn wide(matrix: &Affine3A) -> [DVec3; 4] {
+#[inline(always)]
+fn columns(matrix: &Affine3A) -> Columns {
     let Affine3A { matrix3, translation } = matrix;
-    // The sum turns -0 into 0.
-    let column = |column| Vec3::from(column).as_dvec3() + DVec3::ZERO;
-    [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis, *translation].map(column)
+    let column = |column: Vec3A| {
+        let [x, y, z] = column.to_array();
+        // The sums turn -0 into 0.
+        [f64::from(x) + 0.0, f64::from(y) + 0.0, f64::from(z) + 0.0, 0.0]
+    };
+    [
+        column(matrix3.x_axis),
+        column(matrix3.y_axis),
+        column(matrix3.z_axis),
+        column(*translation),
+    ]
 }
 
 fn vector([x, y, z, _]: [f64; 4]) -> DVec3 {

@@ -16,7 +16,7 @@ pub(crate) fn record_frame(
     mut stepping: ResMut<Stepping>,
 ) {
     let now = stepping.timing.frame(&fixed);
-    sources.skeletons.begin();
+    sources.skeletons.notice();
     for (mut surface, components) in &mut surfaces {
         sources.record(&mut surface.moving, &components, now);
     }
@@ -40,7 +40,7 @@ pub(crate) fn rest(
     if std::mem::take(&mut stepping.has_stepped) {
         return;
     }
-    sources.skeletons.begin();
+    sources.skeletons.notice();
     for (mut surface, components) in &mut surfaces {
         sources.rest(&mut surface.moving, &components);
     }

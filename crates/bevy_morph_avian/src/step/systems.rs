@@ -68,7 +68,7 @@ pub(crate) fn before_step(
         expelled,
         masses: MassBudget::default(),
     };
-    sources.skeletons.begin();
+    sources.skeletons.notice();
     for mut surface in &mut surfaces {
         surface.state.moving.max_acceleration = surface.settings.max_acceleration * world.length_unit.0;
         let body = surface.of.and_then(|of| world.bodies.get(of.body).ok());

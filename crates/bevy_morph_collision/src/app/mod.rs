@@ -21,5 +21,5 @@ pub use schedules::is_fixed;
 pub(crate) use state_of::require_state;
 pub(crate) use suspects::{PATIENCE, Suspects, WarnOnce};
 pub use systems::MorphCollisionSystems;
-pub(crate) use ticks::{Column, Rows, any_added, any_changed, blocks, has, ran_long_ago};
+pub(crate) use ticks::{Column, Rows, any_added, any_changed, blocks, has, is_long_ago, ran_long_ago};
 pub use workers::TaskPoolWorkers;

@@ -30,6 +30,18 @@ impl<'w> Column<'w> {
         }
     }
 
+    /// The same, compared with a time of which the caller keeps account.
+    pub(crate) fn changed_since<C>(column: &ContiguousRef<'w, C>, last_run: Tick) -> Self {
+        Self {
+            last_run,
+            ..Self::changed(column)
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.ticks.len()
+    }
+
     /// When the components were added.
     pub(crate) fn added<C>(column: &ContiguousRef<'w, C>) -> Self {
         Self {
@@ -62,7 +74,7 @@ impl<'w> Column<'w> {
     }
 
     /// Whether it happened to any row.
-    fn any_new(&self) -> bool {
+    pub(crate) fn any_new(&self) -> bool {
         blocks(self.ticks.len()).any(|block| self.any_new_in(block))
     }
 }
@@ -85,7 +97,12 @@ pub(crate) fn any_added<C>(column: Option<&ContiguousRef<C>>) -> bool {
 
 /// Whether a system has not run for so long that Bevy may have forgotten when components changed.
 pub(crate) fn ran_long_ago(ticks: &SystemChangeTick) -> bool {
-    ticks.this_run().get().wrapping_sub(ticks.last_run().get()) > 1 << 30
+    is_long_ago(ticks.last_run(), ticks.this_run())
+}
+
+/// The same for another time than the last run.
+pub(crate) fn is_long_ago(then: Tick, now: Tick) -> bool {
+    now.get().wrapping_sub(then.get()) > 1 << 30
 }
 
 /// The entities that a query returned.

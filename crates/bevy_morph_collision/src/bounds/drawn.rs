@@ -9,13 +9,14 @@ use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
+use morph_collision::{JointMatrices, MorphBvh, WorldFromModel};
 
 use super::changes::BoundsChanges;
 use super::culled::Culled;
 use super::local::{UNBOUNDED, around, around_in};
 use crate::import::{MorphTrees, TreeKey};
-use crate::posing::{BindPoses, LentPoses, Skeletons, take_weights};
+use crate::posing::{CurrentSkeletons, LentPoses, drawn_weights};
+use crate::state::{ColliderState, LockedPose};
 
 /// Marks meshes that had [`DynamicSkinnedMeshBounds`] before the plugin took over their box. Bevy would otherwise write the box
 /// too.
@@ -37,21 +38,28 @@ type DrawnMesh = (
 #[derive(SystemParam)]
 pub(super) struct DrawnMeshes<'w, 's> {
     shared: Query<'w, 's, &'static MorphWeights>,
-    globals: Query<'w, 's, &'static GlobalTransform>,
     trees: Res<'w, MorphTrees>,
-    bind_poses: Option<Res<'w, BindPoses>>,
+    colliders: Query<'w, 's, &'static ColliderState>,
     poses: Local<'s, LentPoses>,
-    skeletons: Local<'s, Skeletons>,
+    skeletons: CurrentSkeletons<'w, 's>,
     rest: Local<'s, Vec<f32>>,
     /// For skinned meshes, the input of their last box: all entities of a mesh share one pose, so the pose does not keep it.
     cached: Local<'s, EntityHashMap<CachedBounds>>,
 }
 
+/// What determines the box of a skinned mesh.
+struct Drawn<'a> {
+    tree: &'a Arc<MorphBvh>,
+    weights: &'a [f32],
+    joints: &'a JointMatrices,
+    world_from_entity: &'a GlobalTransform,
+}
+
 /// The box of a skinned mesh, and the input from which it was computed.
 pub(super) struct CachedBounds {
-    joints: JointMatrices,
-    weights: Vec<f32>,
     tree: Arc<MorphBvh>,
+    weights: Vec<f32>,
+    joints: JointMatrices,
     world_from_entity: GlobalTransform,
     aabb: Aabb,
     is_used: bool,
@@ -60,7 +68,7 @@ pub(super) struct CachedBounds {
 impl DrawnMeshes<'_, '_> {
     fn begin(&mut self) {
         self.poses.drop_unused();
-        self.skeletons.begin();
+        self.skeletons.notice();
         self.cached.retain(|_, cached| std::mem::take(&mut cached.is_used));
     }
 
@@ -74,68 +82,89 @@ impl DrawnMeshes<'_, '_> {
         world_from_entity: &GlobalTransform,
     ) -> Option<Aabb> {
         let tree = self.trees.up_to_date(key)?;
-        let pose = self.poses.lend(key, tree);
-        if !pose.weights().is_empty() {
-            take_weights(pose, weights, &self.shared, &mut self.rest).ok()?;
-        }
-        if pose.joints().is_none() {
-            return Some(around(&pose.bounds()));
-        }
-        let globals = &self.globals;
-        let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
-        let skeleton = self.skeletons.of(skin?, self.bind_poses.as_deref(), global_of);
-        if skeleton.problem().is_some() {
-            return None;
-        }
-        let joints = skeleton.matrices()?;
-        if let Some(cached) = self.cached.get_mut(&entity) {
+        let weights = match tree.model().target_count() {
+            0 => &[],
+            count => drawn_weights(count, weights, &self.shared, &mut self.rest).ok()?,
+        };
+        let joints = match tree.model().joint_count() {
+            Some(_) => {
+                let skeleton = self.skeletons.of(skin?);
+                Some(skeleton.matrices().filter(|_| skeleton.problem().is_none())?)
+            }
+            None => None,
+        };
+        let drawn = joints.map(|joints| Drawn {
+            tree,
+            weights,
+            joints,
+            world_from_entity,
+        });
+        if let Some(drawn) = &drawn
+            && let Some(cached) = self.cached.get_mut(&entity)
+        {
             cached.is_used = true;
-            if cached.is_same(pose, joints, world_from_entity) {
+            if cached.is_of(drawn) {
                 return Some(cached.aabb);
             }
         }
-        pose.set_joints(joints).ok()?;
+        // A collider has often been posed like this already.
+        let own = self.colliders.get(entity).ok().and_then(|state| state.pose.as_ref());
+        let mut own = own.map(LockedPose::lock);
+        let own = own
+            .as_deref_mut()
+            .filter(|pose| Arc::ptr_eq(pose.bvh(), tree) && pose.joints() == joints && pose.weights() == weights);
+        let pose = match own {
+            Some(pose) => pose,
+            None => {
+                let pose = self.poses.lend(key, tree);
+                pose.set_weights(weights).ok()?;
+                if let Some(joints) = joints {
+                    pose.set_joints(joints).ok()?;
+                }
+                pose
+            }
+        };
+        let Some(drawn) = drawn else {
+            return Some(around(&pose.bounds()));
+        };
         let aabb = match WorldFromModel::new(world_from_entity.affine()) {
             Ok(affine) => around_in(&pose.local_bounds(&affine), world_from_entity),
             Err(_) => UNBOUNDED,
         };
         match self.cached.get_mut(&entity) {
-            Some(cached) => cached.set(pose, joints, world_from_entity, aabb),
-            None => {
-                let computed = CachedBounds::new(pose, joints, world_from_entity, aabb);
-                self.cached.insert(entity, computed);
-            }
+            Some(cached) => cached.set(&drawn, aabb),
+            None => _ = self.cached.insert(entity, CachedBounds::new(&drawn, aabb)),
         }
         Some(aabb)
     }
 }
 
 impl CachedBounds {
-    fn new(pose: &Pose, joints: &JointMatrices, world_from_entity: &GlobalTransform, aabb: Aabb) -> Self {
+    fn new(drawn: &Drawn, aabb: Aabb) -> Self {
         Self {
-            joints: joints.clone(),
-            weights: pose.weights().to_vec(),
-            tree: pose.bvh().clone(),
-            world_from_entity: *world_from_entity,
+            tree: drawn.tree.clone(),
+            weights: drawn.weights.to_vec(),
+            joints: drawn.joints.clone(),
+            world_from_entity: *drawn.world_from_entity,
             aabb,
             is_used: true,
         }
     }
 
     /// Like [`CachedBounds::new`], with the memory that is there.
-    fn set(&mut self, pose: &Pose, joints: &JointMatrices, world_from_entity: &GlobalTransform, aabb: Aabb) {
-        self.joints.clone_from(joints);
-        pose.weights().clone_into(&mut self.weights);
-        self.tree.clone_from(pose.bvh());
-        self.world_from_entity = *world_from_entity;
+    fn set(&mut self, drawn: &Drawn, aabb: Aabb) {
+        self.tree.clone_from(drawn.tree);
+        drawn.weights.clone_into(&mut self.weights);
+        self.joints.clone_from(drawn.joints);
+        self.world_from_entity = *drawn.world_from_entity;
         self.aabb = aabb;
     }
 
-    fn is_same(&self, pose: &Pose, joints: &JointMatrices, world_from_entity: &GlobalTransform) -> bool {
-        Arc::ptr_eq(&self.tree, pose.bvh())
-            && self.world_from_entity == *world_from_entity
-            && self.weights == pose.weights()
-            && self.joints == *joints
+    fn is_of(&self, drawn: &Drawn) -> bool {
+        Arc::ptr_eq(&self.tree, drawn.tree)
+            && self.world_from_entity == *drawn.world_from_entity
+            && self.weights == drawn.weights
+            && self.joints == *drawn.joints
     }
 }
 

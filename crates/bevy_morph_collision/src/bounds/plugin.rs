@@ -63,6 +63,7 @@ impl Plugin for MorphBoundsPlugin {
         if !app.is_plugin_added::<TreesPlugin>() {
             app.add_plugins(TreesPlugin);
         }
+        crate::posing::add_skeletons(app);
         app.insert_resource(crate::setup::Culls);
         app.configure_sets(
             PostUpdate,

@@ -51,6 +51,7 @@ impl Plugin for MorphCollisionPlugin {
         components::register(app);
         contacts::add(app);
         state::add(app);
+        posing::add_skeletons(app);
         broad_phase::add(app);
         spatial::add(app);
         self_collisions::add(app);

@@ -5,7 +5,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use tracing::{debug_span, error};
 
-use super::skeletons::{BindPoses, Skeletons};
+use super::skeletons::CurrentSkeletons;
 use crate::app::Names;
 use crate::components::MorphCollider;
 use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics};
@@ -16,23 +16,20 @@ use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics};
 /// they are valid again; the last valid ones stay in use.
 pub(crate) fn read_joints(
     mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh), With<MorphCollider>>,
-    globals: Query<&GlobalTransform>,
-    bind_poses: Option<Res<BindPoses>>,
     names: Names,
-    mut skeletons: Local<Skeletons>,
+    mut skeletons: CurrentSkeletons,
     mut news: ResMut<ColliderNews>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::joints").entered();
-    skeletons.begin();
-    let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
+    skeletons.notice();
     for (entity, mut state, skin) in &mut colliders {
         let Some(pose) = state.pose_mut() else { continue };
         if pose.joints().is_none() {
             continue;
         }
-        let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+        let skeleton = skeletons.of(skin);
         if let Some((joint, problem)) = skeleton.problem()
             && !skeleton.is_reported
         {

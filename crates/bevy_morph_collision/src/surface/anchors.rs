@@ -1,6 +1,6 @@
 //! Entities that stick to a deforming surface.
 
-use bevy::ecs::system::SystemParam;
+use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::math::Affine3A;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
@@ -10,7 +10,7 @@ use morph_collision::{Body, Pose, SurfaceAnchor, WorldFromModel};
 
 use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
 use crate::import::{MorphTrees, TreeKey};
-use crate::posing::{BindPoses, LentPoses, Skeletons, take_weights};
+use crate::posing::{AllSkins, BindPoses, LentPoses, Skeletons, take_weights};
 use crate::spatial::MorphRayHit;
 use crate::state::{ColliderState, Preparation};
 
@@ -115,7 +115,8 @@ pub(crate) struct DrawnSurfaces<'w, 's> {
     trees: Res<'w, MorphTrees>,
     bind_poses: Option<Res<'w, BindPoses>>,
     poses: Local<'s, LentPoses>,
-    skeletons: Local<'s, Skeletons>,
+    skeletons: ResMut<'w, Skeletons>,
+    skins: AllSkins<'w, 's>,
     rest: Local<'s, Vec<f32>>,
 }
 
@@ -147,14 +148,24 @@ impl DrawnSurfaces<'_, '_> {
 pub(crate) fn move_anchors(
     anchors: Query<(Entity, &MorphSurfaceAnchor, Option<&ChildOf>)>,
     mut surfaces: DrawnSurfaces,
-    mut transforms: Query<(&mut Transform, &mut GlobalTransform)>,
+    mut transforms: ParamSet<(
+        Query<Ref<GlobalTransform>>,
+        Query<(&mut Transform, &mut GlobalTransform)>,
+    )>,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
     mut preparation: ResMut<Preparation>,
+    ticks: SystemChangeTick,
 ) {
+    if anchors.is_empty() {
+        return;
+    }
     let start = Instant::now();
     surfaces.poses.drop_unused();
-    surfaces.skeletons.begin();
+    surfaces
+        .skeletons
+        .notice(&transforms.p0(), &surfaces.skins, ticks.this_run());
+    let mut transforms = transforms.p1();
     let mut anchored: Vec<_> = anchors.iter().collect();
     anchored.sort_by_cached_key(|&(entity, ..)| (parents.iter_ancestors(entity).count(), entity));
     for (entity, anchor, parent) in anchored {
@@ -186,10 +197,8 @@ pub(crate) fn move_anchors(
             *global = world_from_parent * next;
             let below = *global;
             spread(entity, below, &children, &mut transforms);
-            // Joints below this entity may have moved too.
-            if children.contains(entity) {
-                surfaces.skeletons.outdate();
-            }
+            // It may be a joint, and joints may be below it.
+            surfaces.skeletons.outdate();
         }
     }
     preparation.0 += start.elapsed();

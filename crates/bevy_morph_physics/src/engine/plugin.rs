@@ -7,7 +7,7 @@ use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
 use bevy_morph_collision::app::MorphCollisionSystems;
 use bevy_morph_collision::contacts::MorphCollisions;
-use bevy_morph_collision::physics_api::note_collider_component;
+use bevy_morph_collision::physics_api::{add_skeletons, note_collider_component};
 use tracing::error;
 
 use super::attach::{attach_surfaces, detach_surface};
@@ -86,6 +86,7 @@ pub fn add_systems<E: Engine, M>(
     // Now, or later if the other plugin is added after this one.
     app.init_resource::<MeshLayouts>();
     add_to_trees(app);
+    add_skeletons(app);
     app.register_type::<MorphPhysicsCollider>()
         .register_type::<MorphPhysicsScene>()
         .register_type::<MorphPhysicsDiagnostics>()

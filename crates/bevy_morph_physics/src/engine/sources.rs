@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy_morph_collision::physics_api::{BindPoses, Skeletons};
+use bevy_morph_collision::physics_api::CurrentSkeletons;
 
 use crate::moving::MovingSurface;
 use crate::time::{Live, SurfaceComponentsItem, WeightSource};
@@ -13,10 +13,8 @@ use crate::time::{Live, SurfaceComponentsItem, WeightSource};
 #[derive(SystemParam)]
 pub struct Sources<'w, 's> {
     shared: Query<'w, 's, &'static MorphWeights>,
-    globals: Query<'w, 's, &'static GlobalTransform>,
-    bind_poses: Option<Res<'w, BindPoses>>,
     /// The skeletons of the surfaces.
-    pub skeletons: Local<'s, Skeletons>,
+    pub skeletons: CurrentSkeletons<'w, 's>,
     names: Query<'w, 's, NameOrEntity>,
 }
 
@@ -37,17 +35,12 @@ impl Sources<'_, '_> {
         skin: Option<&SkinnedMesh>,
     ) -> Live {
         let skin = skin.filter(|_| moving.is_skinned());
-        let bind_poses = self.bind_poses.as_deref();
-        let drawn = &mut moving.drawn;
-        drawn.live(transform, skin, &mut self.skeletons, bind_poses, &self.globals)
+        moving.drawn.live(transform, skin, &mut self.skeletons)
     }
 
     /// The joints of a skinned mesh, in world space, while all of them are valid.
     pub fn world_from_joints(&mut self, skin: &SkinnedMesh) -> Option<&[bevy::math::Affine3A]> {
-        let globals = &self.globals;
-        let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
-        let skeleton = self.skeletons.of(skin, self.bind_poses.as_deref(), global_of);
-        skeleton.world_from_mesh()
+        self.skeletons.of(skin).world_from_mesh()
     }
 
     /// Records what a frame is drawn with, at a time of the clock of physics.

@@ -5,7 +5,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy_morph_collision::physics_api::{BindPoses, Skeletons};
+use bevy_morph_collision::physics_api::CurrentSkeletons;
 
 use super::clock::Span;
 use super::recorded_value::JointSample;
@@ -87,13 +87,10 @@ impl DrawnHistory {
         &mut self,
         transform: &GlobalTransform,
         skin: Option<&SkinnedMesh>,
-        skeletons: &mut Skeletons,
-        bind_poses: Option<&BindPoses>,
-        globals: &Query<&GlobalTransform>,
+        skeletons: &mut CurrentSkeletons,
     ) -> Live {
-        let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
         let joints = skin.and_then(|skin| {
-            let joints = skeletons.of(skin, bind_poses, global_of).world_from_mesh()?;
+            let joints = skeletons.of(skin).world_from_mesh()?;
             Some(self.joints_in_collider(transform, joints))
         });
         Live {

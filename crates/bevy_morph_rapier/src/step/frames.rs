@@ -27,7 +27,7 @@ pub(crate) fn record_frame(
     } else {
         return;
     };
-    sources.skeletons.begin();
+    sources.skeletons.notice();
     for (mut surface, components) in &mut surfaces {
         let moving = &mut surface.moving;
         sources.record(moving, &components, now);

@@ -45,14 +45,7 @@ pub(crate) fn before_step(
     stepping.has_stepped = false;
     let Clocks { mode, time, .. } = &clocks;
     let fixed_span = read_clock(time, &mut stepping.timing, &mut surfaces);
-    let mut clocks_of = contexts
-        .iter()
-        .map(|(.., configuration, behind)| (configuration, behind));
-    match clocks_of.any(|(configuration, behind)| clocks.is_waiting(configuration, behind)) {
-        // Nobody requests the skeletons of its surfaces, but they must stay.
-        true => sources.skeletons.outdate(),
-        false => sources.skeletons.begin(),
-    }
+    sources.skeletons.notice();
     let (mut refused, mut has_stepped, mut share) = (HashSet::default(), false, None);
     let mut masses = MassBudget::default();
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {

@@ -115,7 +115,8 @@ fn placed(before: &mut Pose, from: &WorldFromModel, now: &Pose, to: &WorldFromMo
 }
 
 fn under_joints(before: &mut Pose, now: &Pose, wanted: Range<f64>) -> Option<f64> {
-    let (to, error) = now.skinning.as_ref().map(|(_, now)| (&now.joints, now.error()))?;
+    let (_, skinning) = now.skinning.as_ref()?;
+    let (to, error) = (&skinning.joints, skinning.error_with(now.bvh.model(), &now.weights));
     let skin = now.bvh.model().skin()?;
     let mut posed = before.posed();
     let tree = posed.skin_tree()?;

@@ -118,14 +118,8 @@ impl Pose {
         }
         self.placed_body.invalidate();
         self.source = BoxSource::of_weights(self.bvh.model(), &self.weights);
-        if let (Some((world_from_body, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
-            let tree = SkinTree {
-                model: self.bvh.model(),
-                skin: tables,
-                weights: &self.weights,
-                level: self.bvh.kernel().level,
-            };
-            *world_from_body = skinning.change(tree, weights_changed);
+        if let Some((_, skinning)) = &mut self.skinning {
+            skinning.change(weights_changed);
         }
     }
 
@@ -295,7 +289,18 @@ impl Pose {
 
     pub(crate) fn posed_at<'p>(&'p mut self, world_from_model: &'p WorldFromModel) -> Posed<'p> {
         let (world_from_model, skin) = match (&mut self.skinning, &self.bvh.skin) {
-            (Some((world_from_body, skinning)), Some(tables)) => (&*world_from_body, Some((&**tables, skinning))),
+            (Some((world_from_body, skinning)), Some(tables)) => {
+                let tree = SkinTree {
+                    model: self.bvh.model(),
+                    skin: tables,
+                    weights: &self.weights,
+                    level: self.bvh.kernel().level,
+                };
+                if let Some(updated) = skinning.update(tree) {
+                    *world_from_body = updated;
+                }
+                (&*world_from_body, Some((&**tables, skinning)))
+            }
             _ => (world_from_model, None),
         };
         Posed {

@@ -16,7 +16,7 @@ use super::posed_vertices::PosedVertices;
 use super::skin_tree::{MAX_REACH, SkinTree};
 use crate::bounds::{Aabb, BoxLanes, MapFrame, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
-use crate::model::Skin;
+use crate::model::{MorphModel, Skin, Weights};
 use crate::tree::SkinTables;
 
 /// The state of a skinned pose.
@@ -34,6 +34,9 @@ pub(super) struct Skinning {
     error: f64,
     /// A bound on the absolute coordinates of vertices in the body's frame.
     radius: f64,
+    /// Whether the joints or the weights changed since the last update, and whether the weights did.
+    is_old: bool,
+    is_reach_old: bool,
 }
 
 impl Skinning {
@@ -47,21 +50,36 @@ impl Skinning {
             reach: 0.0,
             error: 0.0,
             radius: 0.0,
+            is_old: true,
+            is_reach_old: true,
         }
     }
 
-    /// Updates the state after a change of the joints or the weights. Returns the transform of the body's frame to the world.
-    pub(super) fn change(&mut self, tree: SkinTree<'_>, weights_changed: bool) -> WorldFromModel {
+    /// Notes that the joints or the weights changed. [`Skinning::update`] follows before the next question, so that a pose that gets both
+    /// is updated once.
+    pub(super) fn change(&mut self, weights_changed: bool) {
         self.vertices.invalidate();
         self.hull.invalidate_world();
         if weights_changed {
             self.hull.invalidate();
             self.outer.invalidate();
-            let of_targets = tree.weights.active().iter().map(|&(target, weight)| {
-                f64::from(weight.abs()) * f64::from(tree.model.target_reach()[target as usize])
-            });
-            // The factor covers the rounding of blends.
-            self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2);
+        }
+        self.is_old = true;
+        self.is_reach_old |= weights_changed;
+    }
+
+    /// Updates the state if the joints or the weights changed. Returns the transform of the body's frame to the world; `None` if it is the
+    /// same.
+    #[inline]
+    pub(super) fn update(&mut self, tree: SkinTree<'_>) -> Option<WorldFromModel> {
+        self.is_old.then(|| self.update_now(tree))
+    }
+
+    #[inline(never)]
+    fn update_now(&mut self, tree: SkinTree<'_>) -> WorldFromModel {
+        self.is_old = false;
+        if std::mem::take(&mut self.is_reach_old) {
+            self.reach = reach(tree.model, tree.weights);
         }
         if let Some(skin) = tree.model.skin() {
             self.measure(tree, skin);
@@ -73,8 +91,7 @@ impl Skinning {
 
     fn measure(&mut self, tree: SkinTree<'_>, skin: &Skin) {
         let sum = skin.max_sum();
-        // A product and a sum per influence for the matrix, and three of each for the position.
-        self.error = 4.0 * skin.most_influences() as f64 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
+        self.error = placement_error(skin, &self.joints, self.reach);
         self.origin = tree.skin.middle.map_or(DVec3::ZERO, |(joint, point)| {
             let ([x, y, z, translation], point) = (self.joints.columns(joint), point.as_dvec3());
             let middle = x * point.x + y * point.y + z * point.z + translation;
@@ -93,6 +110,15 @@ impl Skinning {
     /// A bound on the rounding error of world positions.
     pub(super) fn error(&self) -> f64 {
         self.error
+    }
+
+    /// The same for a pose that may not be up to date.
+    pub(super) fn error_with(&self, model: &MorphModel, weights: &Weights) -> f64 {
+        if !self.is_old {
+            return self.error;
+        }
+        let of_skin = |skin| placement_error(skin, &self.joints, reach(model, weights));
+        model.skin().map_or(0.0, of_skin)
     }
 
     /// By how much boxes that are fitted to vertices are widened, to cover the rounding of coordinates in the body's frame. Infinite if
@@ -158,4 +184,19 @@ impl Skinning {
     pub(super) fn bytes(&self) -> usize {
         self.vertices.bytes() + self.hull.bytes() + self.outer.bytes()
     }
+}
+
+/// A bound on the absolute coordinates of vertices before joints move them.
+fn reach(model: &MorphModel, weights: &Weights) -> f64 {
+    let of_targets = weights
+        .active()
+        .iter()
+        .map(|&(target, weight)| f64::from(weight.abs()) * f64::from(model.target_reach()[target as usize]));
+    // The factor covers the rounding of blends.
+    (f64::from(model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2)
+}
+
+/// A bound on the rounding error of world positions: a product and a sum per influence for the matrix, and three of each for the position.
+fn placement_error(skin: &Skin, joints: &JointMatrices, reach: f64) -> f64 {
+    4.0 * skin.most_influences() as f64 * f64::EPSILON * skin.max_sum() * joints.world_reach(reach)
 }

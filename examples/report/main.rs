@@ -14,8 +14,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use morph_collision_testkit::bench::cpu;
-use morph_collision_testkit::report::{Section, SectionOptions, Store, rewrite};
+use morph_collision_testkit::report::{Section, SectionOptions, Store, origin, rewrite};
 use morph_collision_workspace::outcome::exit_code;
 use morph_collision_workspace::physics::Method;
 use physics::Comparison;
@@ -95,7 +94,11 @@ fn run(options: &Options) -> Result<(), String> {
         Page::Tolerance => vec![("time-and-error", Box::new(move || tolerance::table(quick, &store)))],
     };
     if options.page != Page::Avian {
-        sections.insert(0, ("machine", Box::new(|| Ok(format!("{}\n", cpu())))));
+        let machine = || {
+            let origin = origin(&options.docs).map_err(|error| error.to_string())?;
+            Ok(format!("{origin}.\n"))
+        };
+        sections.insert(0, ("machine", Box::new(machine)));
     }
     let name = options.page.to_possible_value().unwrap_or_default();
     let path = options.docs.join(name.get_name()).with_extension("md");

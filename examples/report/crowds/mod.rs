@@ -3,7 +3,11 @@
 mod physics;
 mod run;
 
+use bevy::math::Vec2;
 use morph_collision_testkit::report::Section;
+
+/// The distances between characters, in decimetres. Nobody is near another one, whatever the moment of their clip.
+const APART: Vec2 = Vec2::new(24.0, 24.0);
 
 pub(crate) use physics::{Way, count};
 pub(crate) use run::{Crowd, With, count as count_run};

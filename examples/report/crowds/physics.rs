@@ -13,13 +13,12 @@ use clap::ValueEnum;
 use morph_collision_testkit::report::Table;
 use morph_collision_workspace::app::STEP;
 
+use super::APART;
 use crate::characters::{Stage, frame_times, grid};
 use crate::model::Model;
 
 const CHARACTERS: usize = 100;
 const CLIP: &str = "walk_and_talk";
-/// The distances between characters, in decimetres.
-const APART: Vec2 = Vec2::new(12.0, 9.0);
 /// The unit of the model is the decimetre.
 const LENGTH_UNIT: f32 = 10.0;
 

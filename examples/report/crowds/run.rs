@@ -10,6 +10,7 @@ use morph_collision_testkit::report::Table;
 use morph_collision_workspace::crowd::edit_players;
 use morph_collision_workspace::instances::in_crowd;
 
+use super::APART;
 use crate::characters::{Stage, grid};
 use crate::model::Model;
 
@@ -63,7 +64,7 @@ impl Crowd {
         let (_, _, spacing) = self.model();
         let count = self.count();
         match self {
-            Self::Clip => grid(count, Vec2::new(12.0, 9.0)),
+            Self::Clip => grid(count, APART),
             _ => (0..count)
                 .map(|index| in_crowd(index, count, frame as f32 / 60.0, spacing))
                 .collect(),

@@ -70,7 +70,7 @@ fn run(args: &ReportArgs) -> Result<(), Box<dyn Error>> {
         every: args.every.map_or(every, NonZeroUsize::get),
         rounds: args.rounds.map_or(rounds, NonZeroUsize::get),
         quick: args.quick,
-        origin: context::origin(&args.docs)?,
+        origin: morph_collision_testkit::report::origin(&args.docs)?,
         store: Store::below(&args.docs.join("measurements")),
     };
     // Written before anything is measured, too, so that a wrong folder fails at once.

@@ -21,6 +21,7 @@
 //!
 //! - [`rivals`]: the other methods that `morph_collision` is compared with, among them Parry's.
 //! - [`mod@bench`]: times all methods against each other.
+//! - [`machine`]: the processor, and one core of it for a thread.
 //! - [`tightness`]: how much larger the boxes of a posed tree are than the smallest ones.
 //!
 //! # Features
@@ -34,7 +35,7 @@
 //!
 //! ```text
 //! bench, determinism, fuzzing, stress > moments, tightness, verify > motion, rivals
-//! > assets, extremes, near_degenerate, oracle, report, search
+//! > assets, extremes, near_degenerate, oracle, report, search > machine
 //! ```
 #![forbid(unsafe_code)]
 
@@ -43,6 +44,7 @@ pub mod bench;
 pub mod determinism;
 pub mod extremes;
 pub mod fuzzing;
+pub mod machine;
 pub mod moments;
 pub mod motion;
 pub mod near_degenerate;

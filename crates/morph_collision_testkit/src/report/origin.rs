@@ -6,7 +6,7 @@ use std::process::Command;
 
 use morph_collision::Kernel;
 
-use crate::bench::cpu;
+use crate::machine::cpu;
 
 /// Today, the commit of the code, and this machine with its vector instructions.
 ///

@@ -14,7 +14,8 @@ use morph_collision::batch::Wanted;
 use morph_collision_cli::shared::{
     AnyError, CliError, FileArgs, Steps, TreeArgs, Verdict, complain, count, print, print_json,
 };
-use morph_collision_testkit::bench::{self, Disagreement, Entrant, Pinned, Plan, Row, disagreement, measure};
+use morph_collision_testkit::bench::{Disagreement, Entrant, Plan, Row, disagreement, measure};
+use morph_collision_testkit::machine::{self, Pinned};
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::MethodOptions;
 
@@ -133,7 +134,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, AnyError> {
         args.files.refuse_without_files()?;
     }
     let scenes = scenes::scenes(args, &entrants)?;
-    say_where(bench::pin());
+    say_where(machine::pin());
     let rounds = usize::from(args.rounds);
     let plan = |mode: Mode| Plan {
         wanted: mode.wanted(),

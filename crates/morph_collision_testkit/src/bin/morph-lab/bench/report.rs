@@ -5,7 +5,8 @@ use std::fmt::Write;
 use morph_collision::Kernel;
 use morph_collision_models::text::Printable;
 use morph_collision_models::text::number;
-use morph_collision_testkit::bench::{self, Entrant, Row};
+use morph_collision_testkit::bench::{Entrant, Row};
+use morph_collision_testkit::machine;
 use serde::Serialize;
 
 use super::{Measured, Mode};
@@ -89,7 +90,7 @@ impl BenchReport {
             methods: measured.rows.iter().map(MethodReport::new).collect(),
         };
         Self {
-            cpu: bench::cpu(),
+            cpu: machine::cpu(),
             kernel: Kernel::default().name(),
             rounds,
             scenes: measured.iter().map(scene).collect(),

@@ -27,7 +27,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use morph_collision_cli::shared::{AnyError, Verdict};
-use morph_collision_testkit::bench;
+use morph_collision_testkit::machine;
 use morph_collision_testkit::report::Store;
 
 use context::Context;
@@ -94,7 +94,7 @@ fn measure(context: &Context, topics: Vec<&Topic>, docs: &std::path::Path) -> Re
             overview::write(docs, &context.store)?;
         }
     }
-    if !on_one.is_empty() && bench::pin().is_none() {
+    if !on_one.is_empty() && machine::pin().is_none() {
         eprintln!("cannot pin this thread to a core; times will vary more");
     }
     for topic in on_one {

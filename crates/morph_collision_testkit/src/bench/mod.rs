@@ -12,7 +12,7 @@
 //! - **Over whole frames.** In a frame, every body gets its weights and placement, the boxes of bodies are swept for overlaps,
 //!   and each overlapping pair is queried for its triangles. Times exclude loading, building and what is
 //!   [prepared](Questions::prepare).
-//! - **On one thread**, [pinned](pin) to a core if the caller wants it. The [`Stopwatch`] measures processor time, so that
+//! - **On one thread**, [pinned](crate::machine::pin) to a core if the caller wants it. The [`Stopwatch`] measures processor time, so that
 //!   waiting for a processor does not count. The reading of an idle stopwatch is subtracted.
 //!
 //! # How times are split

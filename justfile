@@ -9,11 +9,11 @@ default:
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
 # and all release steps a third one without Bevy.
 # The checks that must pass before a change lands: less than half an hour on two cores.
-ci: fmt-check spell licences clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
+ci: fmt-check spell licences clippy doc test demo-check package-list determinism-release first-picture instructions-check verify-short
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
-nightly: package features test-drawing verify stress determinism-wasm (fuzz "60") deny
+nightly: package first-run features test-drawing verify stress determinism-wasm (fuzz "60") deny
 
 # What contributors run while they work: formatting, spelling, clippy, and the tests of the core and the plugin.
 quick: fmt-check spell clippy
@@ -125,6 +125,11 @@ release:
 # Builds the docs of libraries and the tool. With two of the examples, dependencies have the same features as for clippy; otherwise Bevy would be checked again.
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --lib --bin morph-collide --example dolphins --example hat
+
+# Draws the picture of the README's first command with the tool that other release steps have built: `first-run` would compile all again,
+# because the tool alone needs fewer features of what it depends on.
+first-picture PICTURE="dolphins.png": release
+    "${CARGO_TARGET_DIR:-target}/release/morph-collide" run assets/scenes/two_dolphins.json --picture {{PICTURE}}
 
 # The README's first command: draws a picture of touching dolphins. Needs only Rust and a C linker.
 first-run PICTURE="dolphins.png":

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
-use glam::{Affine3A, BVec3A, DVec3, Vec3A};
+use glam::{Affine3A, BVec3A, DVec3, Mat3A, Vec3A};
 
 use crate::exact::largest;
 use crate::input_error::{InputError, check_vector};
@@ -51,9 +51,18 @@ impl JointMatrices {
     /// # Errors
     /// [`InputError`] names the joint and its first entry that is NaN, infinite or larger than 1e34 in absolute value.
     pub fn new(world_from_mesh: &[Affine3A]) -> Result<Self, InputError> {
+        Self::from_matrices(world_from_mesh.iter().copied())
+    }
+
+    /// Like [`JointMatrices::new`], for matrices that are not in memory yet.
+    ///
+    /// # Errors
+    /// As for [`JointMatrices::new`].
+    pub fn from_matrices(world_from_mesh: impl IntoIterator<Item = Affine3A>) -> Result<Self, InputError> {
         let (mut row_sums, mut translations) = (Vec3A::ZERO, Vec3A::ZERO);
         let mut are_small = BVec3A::TRUE;
-        for Affine3A { matrix3, translation } in world_from_mesh {
+        let matrices = world_from_mesh.into_iter().map(|matrix| {
+            let Affine3A { matrix3, translation } = matrix;
             let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Vec3A::abs);
             let translation = translation.abs();
             // False for NaN.
@@ -62,14 +71,16 @@ impl JointMatrices {
             }
             row_sums = row_sums.max((x + y) + z);
             translations = translations.max(translation);
-        }
+            columns(&matrix)
+        });
+        let columns: Arc<[Columns]> = matrices.collect();
         if !are_small.all() {
-            for (joint, matrix) in world_from_mesh.iter().enumerate() {
-                check(joint, columns(matrix).map(vector))?;
+            for (joint, columns) in columns.iter().enumerate() {
+                check(joint, columns.map(vector))?;
             }
         }
         Ok(Self {
-            columns: world_from_mesh.iter().map(columns).collect(),
+            columns,
             // The factor covers the roundings of two sums.
             linear_reach: f64::from(row_sums.max_element()) * (1.0 + 2.0 * f64::from(f32::EPSILON)),
             translation_reach: f64::from(translations.max_element()),
@@ -95,6 +106,27 @@ impl JointMatrices {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
+    }
+
+    /// The matrices, one per joint.
+    ///
+    /// ```
+    /// # use glam::{Affine3A, Vec3};
+    /// # use morph_collision::JointMatrices;
+    /// let matrices = [Affine3A::IDENTITY, Affine3A::from_rotation_y(0.3), Affine3A::from_scale(Vec3::new(1.0, -2.0, 0.1))];
+    /// let joints = JointMatrices::new(&matrices)?;
+    /// assert!(joints.iter().eq(matrices));
+    /// # Ok::<(), morph_collision::InputError>(())
+    /// ```
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Affine3A> + Clone {
+        self.columns.iter().map(|columns| {
+            // They were `f32`.
+            let [x, y, z, translation] = columns.map(|column| vector(column).as_vec3a());
+            Affine3A {
+                matrix3: Mat3A::from_cols(x, y, z),
+                translation,
+            }
+        })
     }
 
     /// The columns of a joint's matrix.

@@ -14,9 +14,12 @@ use crate::isometry::isometry;
 
 /// The joints of a skinned mesh.
 pub(super) enum Joints<'a> {
-    InWorld(&'a [Affine3A]),
-    /// In the collider's space.
-    InCollider(&'a [Affine3A]),
+    InWorld {
+        joints: &'a [Affine3A],
+        /// The same in the space of a collider that is where its entity is, if they are valid there.
+        at_entity: Option<JointMatrices>,
+    },
+    InCollider(JointMatrices),
 }
 
 /// What is known of a mesh before a step.
@@ -54,15 +57,19 @@ pub(super) fn predict(start: Start, dt: f32) -> Result<Prediction, InputError> {
     } else {
         rigid.inverse() * affine
     };
-    let mirrored = match &joints {
-        Some(Joints::InWorld(joints) | Joints::InCollider(joints)) => is_mirrored(joints.iter()),
-        None => is_mirrored([&collider_from_model].into_iter()),
-    };
     let joints = joints.map(|joints| match joints {
-        Joints::InWorld(joints) => JointMatrices::new(&joints_in(&now, joints).collect::<Vec<_>>()),
-        Joints::InCollider(joints) => JointMatrices::new(joints),
+        Joints::InWorld {
+            at_entity: Some(joints),
+            ..
+        } if now == rigid_part(entity) => Ok(joints),
+        Joints::InWorld { joints, .. } => JointMatrices::from_matrices(joints_in(&now, joints)),
+        Joints::InCollider(joints) => Ok(joints),
     });
     let joints = joints.transpose()?;
+    let mirrored = match &joints {
+        Some(joints) => is_mirrored(joints.iter()),
+        None => is_mirrored([collider_from_model].into_iter()),
+    };
     let world_from_model = match body {
         // Exactly the entity's transform, because that is where it is drawn.
         None => affine,

@@ -39,11 +39,14 @@ pub(super) fn advance(
     let live = sources.live(moving, surface.drawn_with.transform, skin);
     moving.drawn.at_step(&live);
     let between_frames = time.span.and_then(|span| moving.drawn.joints.at(span.end));
-    let joints = match &between_frames {
-        Some(joints) if live.joints.is_some() => Some(Joints::InCollider(&joints.matrices)),
-        _ => skin
+    let joints = match (live.joints, between_frames) {
+        (Ok(Some(_)), Some(sample)) => Some(Joints::InCollider(sample.joints)),
+        (drawn, _) => skin
             .and_then(|skin| sources.world_from_joints(skin))
-            .map(Joints::InWorld),
+            .map(|joints| Joints::InWorld {
+                joints,
+                at_entity: drawn.ok().flatten().map(|sample| sample.joints),
+            }),
     };
     let collider = surface.position.zip(surface.rotation);
     let start = Start {

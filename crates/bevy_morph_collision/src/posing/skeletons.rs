@@ -7,7 +7,7 @@ use bevy::ecs::query::Allow;
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::math::{Affine3A, Mat3A, Vec3A};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use morph_collision::{InputError, JointMatrices};
 
@@ -25,7 +25,11 @@ pub(crate) type AllSkins<'w, 's> = Query<'w, 's, &'static SkinnedMesh, Allow<Dis
 #[allow(missing_debug_implementations)]
 pub struct Skeletons {
     /// Keyed by bind poses and first joint, which nearly always identifies a skeleton.
-    by_start: HashMap<(AssetId<SkinnedMeshInverseBindposes>, Option<Entity>), Vec<Skeleton>>,
+    by_start: HashMap<(PosesId, Option<Entity>), Vec<Skeleton>>,
+    /// Shared by all skeletons with the same bind poses.
+    bind_poses: HashMap<PosesId, KnownPoses>,
+    /// How often a system has looked for changes.
+    looks: u64,
     /// Increases when joints may have moved.
     moment: u32,
     /// When transforms were last looked at, and how many there were.
@@ -33,7 +37,30 @@ pub struct Skeletons {
     /// How many skeletons there are, and how many the last clean-up left.
     count: usize,
     kept: usize,
-    scratch: Vec<Affine3A>,
+    /// How often the matrices of any skeleton have changed.
+    changes: u64,
+}
+
+type PosesId = AssetId<SkinnedMeshInverseBindposes>;
+
+/// Inverse bind poses, as they were last found.
+#[derive(Default)]
+struct KnownPoses {
+    matrices: Vec<Mat4>,
+    /// Another number after each change.
+    version: u64,
+    /// The look in which they were last compared.
+    look: u64,
+}
+
+impl KnownPoses {
+    /// Compares them with the current ones, once per look: assets do not say which of them changed before the end of the frame.
+    fn look(&mut self, look: u64, current: &[Mat4]) {
+        if std::mem::replace(&mut self.look, look) != look && self.matrices != current {
+            current.clone_into(&mut self.matrices);
+            self.version += 1;
+        }
+    }
 }
 
 /// One skeleton.
@@ -41,8 +68,8 @@ pub struct Skeletons {
 #[allow(missing_debug_implementations)]
 pub struct Skeleton {
     joints: Vec<Entity>,
-    /// The inverse bind poses of the last update.
-    bind_poses: Vec<Mat4>,
+    /// The version of the inverse bind poses of the last update.
+    poses_version: u64,
     /// The last computed matrices, valid or not.
     world_from_mesh: Vec<Affine3A>,
     /// The last valid matrices.
@@ -53,6 +80,7 @@ pub struct Skeleton {
     pub(crate) is_reported: bool,
     /// When the skeleton was last updated.
     moment: Option<u32>,
+    version: u64,
     is_used: bool,
 }
 
@@ -68,24 +96,24 @@ impl Skeleton {
         self.problem.is_none().then_some(&self.world_from_mesh)
     }
 
+    /// A number that only these matrices of this skeleton have.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
     /// A joint whose current matrix is invalid, and why.
     pub(crate) fn problem(&self) -> Option<(Entity, &InputError)> {
         let (joint, error) = self.problem.as_ref()?;
         Some((*self.joints.get(*joint)?, error))
     }
 
-    /// Updates the matrices from the current transforms of the joints.
-    fn update(
-        &mut self,
-        bind_poses: &[Mat4],
-        global_of: impl Fn(Entity) -> Option<Affine3A>,
-        scratch: &mut Vec<Affine3A>,
-    ) {
-        if self.bind_poses != bind_poses {
-            bind_poses.clone_into(&mut self.bind_poses);
-        }
-        scratch.clear();
-        for (i, &joint) in self.joints.iter().enumerate() {
+    /// Updates the matrices from the current transforms of the joints. If they change, `version` becomes theirs. Returns whether they do.
+    fn update(&mut self, bind_poses: &[Mat4], global_of: impl Fn(Entity) -> Option<Affine3A>, version: u64) -> bool {
+        let is_known = self.matrices.is_some() || self.problem.is_some();
+        self.world_from_mesh.resize(self.joints.len(), Affine3A::IDENTITY);
+        let mut changed = !is_known;
+        for (i, (&joint, known)) in self.joints.iter().zip(&mut self.world_from_mesh).enumerate() {
             let matrix = bind_poses.get(i).zip(global_of(joint)).map(|(bind_pose, global)| {
                 // The last row of a bind pose does not affect where vertices are drawn.
                 let columns = (global * *bind_pose).to_cols_array_2d();
@@ -96,14 +124,17 @@ impl Skeleton {
                 }
             });
             // In Bevy's buffers, a despawned joint keeps its matrix.
-            let before = self.world_from_mesh.get(i).copied();
-            scratch.push(matrix.or(before).unwrap_or(Affine3A::IDENTITY));
+            if let Some(matrix) = matrix
+                && matrix != *known
+            {
+                *known = matrix;
+                changed = true;
+            }
         }
-        let is_known = self.matrices.is_some() || self.problem.is_some();
-        if is_known && *scratch == self.world_from_mesh {
-            return;
+        if !changed {
+            return false;
         }
-        std::mem::swap(&mut self.world_from_mesh, scratch);
+        self.version = version;
         match JointMatrices::new(&self.world_from_mesh) {
             Ok(matrices) => {
                 self.matrices = Some(matrices);
@@ -116,6 +147,7 @@ impl Skeleton {
                 self.problem = Some((joint.unwrap_or_default(), error));
             }
         }
+        true
     }
 }
 
@@ -123,6 +155,7 @@ impl Skeletons {
     /// Looks whether any entity has moved since the last call. Then every skeleton is updated on its next request.
     pub(crate) fn notice(&mut self, globals: &Query<Ref<GlobalTransform>>, skins: &AllSkins, this_run: Tick) {
         self.drop_unused(skins);
+        self.looks += 1;
         let mut count = 0;
         // Also true if the last call was so long ago that nobody knows.
         let mut any_moved = self.seen.is_none_or(|(seen, _)| is_long_ago(seen, this_run));
@@ -145,6 +178,7 @@ impl Skeletons {
     /// Updates every skeleton again on its next request, because the system that asks has moved joints itself.
     pub(crate) fn outdate(&mut self) {
         self.moment = self.moment.wrapping_add(1);
+        self.looks += 1;
     }
 
     /// The skeleton of a mesh. `global_of` returns the global transform of an entity that exists.
@@ -169,12 +203,13 @@ impl Skeletons {
             skeletons.len() - 1
         });
         let skeleton = &mut skeletons[place];
-        let bind_poses = bind_poses
-            .and_then(|assets| assets.get(id))
-            .map_or(&[][..], |poses| poses);
-        // Assets do not say which of them changed before the end of the frame.
-        if skeleton.moment.replace(self.moment) != Some(self.moment) || skeleton.bind_poses != bind_poses {
-            skeleton.update(bind_poses, global_of, &mut self.scratch);
+        let current = bind_poses.and_then(|assets| assets.get(id));
+        let known = self.bind_poses.entry(id).or_default();
+        known.look(self.looks, current.map_or(&[], |poses| poses));
+        let is_old = skeleton.moment.replace(self.moment) != Some(self.moment);
+        if std::mem::replace(&mut skeleton.poses_version, known.version) != known.version || is_old {
+            let bind_poses = &known.matrices;
+            self.changes += u64::from(skeleton.update(bind_poses, global_of, self.changes + 1));
         }
         skeleton
     }
@@ -194,6 +229,8 @@ impl Skeletons {
             skeletons.retain_mut(|skeleton| std::mem::take(&mut skeleton.is_used));
             !skeletons.is_empty()
         });
+        let used: HashSet<PosesId> = self.by_start.keys().map(|&(id, _)| id).collect();
+        self.bind_poses.retain(|id, _| used.contains(id));
         self.count = self.by_start.values().map(Vec::len).sum();
         self.kept = self.count;
     }
@@ -316,6 +353,28 @@ mod tests {
         let lifted = vec![Mat4::from_translation(Vec3::Y)];
         poses.insert(id, lifted.into()).unwrap();
         assert_eq!(stage.read(), Vec3::new(5.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_version_belongs_to_one_skeleton_while_its_matrices_stay() {
+        let stage = Stage::new();
+        let poses = stage.world.resource::<BindPoses>();
+        let other = SkinnedMesh {
+            joints: vec![Entity::PLACEHOLDER],
+            ..stage.skin.clone()
+        };
+        let (mut skeletons, mut seen) = (Skeletons::default(), Vec::new());
+        for x in [0.0, 0.0, 1.0, 0.0] {
+            skeletons.outdate();
+            for skin in [&stage.skin, &other] {
+                let global_of = |_| Some(Affine3A::from_translation(Vec3::X * x));
+                seen.push(skeletons.of(skin, Some(poses), global_of).version());
+            }
+        }
+        let (first, rest) = seen.split_at(2);
+        assert_eq!(first, &rest[..2], "nothing has changed: {seen:?}");
+        let changed: HashSet<u64> = rest.iter().copied().collect();
+        assert_eq!(changed.len(), rest.len(), "{seen:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
+use morph_collision::{MorphBvh, Pose, WorldFromModel};
 
 use crate::math::{corners, largest};
 use crate::shape::Posed;
@@ -24,10 +24,8 @@ impl Moment {
         if let Some(weights) = drawn.weights.at(time) {
             let _fits = self.pose.set_weights(&weights);
         }
-        if let Some(joints) = drawn.joints.at(time)
-            && let Ok(joints) = JointMatrices::new(&joints.matrices)
-        {
-            let _fits = self.pose.set_joints(&joints);
+        if let Some(sample) = drawn.joints.at(time) {
+            let _fits = self.pose.set_joints(&sample.joints);
         }
         let transform = drawn.transform.at(time).filter(|_| drawn.stands_alone);
         if let Some(Ok(world_from_model)) = transform.map(WorldFromModel::new) {

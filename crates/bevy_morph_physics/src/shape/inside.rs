@@ -121,7 +121,7 @@ impl Probe {
 }
 
 /// Whether a mesh is mirrored by its transform, or by the majority of its joints.
-pub fn is_mirrored<'a>(transforms: impl Iterator<Item = &'a Affine3A>) -> bool {
+pub fn is_mirrored(transforms: impl Iterator<Item = Affine3A>) -> bool {
     let sum: i32 = transforms
         .map(|transform| if transform.matrix3.determinant() < 0.0 { -1 } else { 1 })
         .sum();

@@ -6,6 +6,7 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::physics_api::CurrentSkeletons;
+use morph_collision::{InputError, JointMatrices};
 
 use super::clock::Span;
 use super::recorded_value::JointSample;
@@ -28,8 +29,9 @@ pub struct SurfaceComponents {
 pub struct Live {
     /// The transform of its entity.
     pub transform: Affine3A,
-    /// `None` for a mesh without joints, or with invalid joints: the collider reports those, and the last valid ones stay in use.
-    pub joints: Option<JointSample>,
+    /// `None` for a mesh without joints, or with invalid joints: the collider reports those, and the last valid ones stay in use. An error
+    /// if they are valid in the world, but not in the space of the collider.
+    pub joints: Result<Option<JointSample>, InputError>,
 }
 
 /// What a surface was drawn with in the last few frames.
@@ -54,9 +56,10 @@ pub struct DrawnHistory {
     read_weights: Vec<f32>,
 }
 
-/// Joints as a skeleton has them, and in the space of a collider.
+/// Which joints were read, and what they are in the space of a collider.
 struct ReadJoints {
-    world_from_mesh: Vec<Affine3A>,
+    /// That of the skeleton.
+    version: u64,
     collider: Affine3A,
     sample: JointSample,
 }
@@ -90,41 +93,40 @@ impl DrawnHistory {
         skeletons: &mut CurrentSkeletons,
     ) -> Live {
         let joints = skin.and_then(|skin| {
-            let joints = skeletons.of(skin).world_from_mesh()?;
-            Some(self.joints_in_collider(transform, joints))
+            let skeleton = skeletons.of(skin);
+            let joints = skeleton.world_from_mesh()?;
+            Some(self.joints_in_collider(transform, joints, skeleton.version()))
         });
         Live {
             transform: transform.affine(),
-            joints,
+            joints: joints.transpose(),
         }
     }
 
     /// Joints in the space of a collider.
-    fn joints_in_collider(&mut self, transform: &GlobalTransform, world_from_mesh: &[Affine3A]) -> JointSample {
+    fn joints_in_collider(
+        &mut self,
+        transform: &GlobalTransform,
+        world_from_mesh: &[Affine3A],
+        version: u64,
+    ) -> Result<JointSample, InputError> {
         let collider = transform.affine();
         if let Some(last) = &self.last_read
+            && last.version == version
             && last.collider == collider
-            && last.world_from_mesh == world_from_mesh
         {
-            return last.sample.clone();
+            return Ok(last.sample.clone());
         }
         let sample = JointSample {
-            matrices: joints_in(&rigid_part(transform), world_from_mesh).collect(),
+            joints: JointMatrices::from_matrices(joints_in(&rigid_part(transform), world_from_mesh))?,
             middle: self.middle,
         };
-        let mut memory = self
-            .last_read
-            .take()
-            .map(|last| last.world_from_mesh)
-            .unwrap_or_default();
-        memory.clear();
-        memory.extend_from_slice(world_from_mesh);
         self.last_read = Some(ReadJoints {
-            world_from_mesh: memory,
+            version,
             collider,
             sample: sample.clone(),
         });
-        sample
+        Ok(sample)
     }
 
     /// Records what a frame is drawn with. Weights that cannot be used are skipped.
@@ -135,7 +137,7 @@ impl DrawnHistory {
         {
             self.weights.record(time, &self.read_weights, max_acceleration);
         }
-        if let Some(joints) = &live.joints {
+        if let Ok(Some(joints)) = &live.joints {
             self.joints.record(time, joints, max_acceleration);
         }
         if live.transform.is_finite() {
@@ -162,7 +164,7 @@ impl DrawnHistory {
         if weights.read(count, &mut self.read_weights).is_ok() {
             self.weights.rest(&self.read_weights);
         }
-        if let Some(joints) = &live.joints {
+        if let Ok(Some(joints)) = &live.joints {
             self.joints.rest(joints);
         }
         if self.on_body {
@@ -198,7 +200,7 @@ impl DrawnHistory {
     pub fn at_step(&mut self, live: &Live) {
         self.stopped_at = None;
         self.transform.step(&live.transform);
-        if let Some(joints) = &live.joints {
+        if let Ok(Some(joints)) = &live.joints {
             self.joints.step(joints);
         }
     }
@@ -230,7 +232,9 @@ impl DrawnHistory {
     pub fn at(&self, time: f64, live: Live) -> Live {
         Live {
             transform: self.transform.at(time).unwrap_or(live.transform),
-            joints: live.joints.map(|joints| self.joints.at(time).unwrap_or(joints)),
+            joints: live
+                .joints
+                .map(|joints| joints.map(|joints| self.joints.at(time).unwrap_or(joints))),
         }
     }
 

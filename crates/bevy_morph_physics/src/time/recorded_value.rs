@@ -1,8 +1,7 @@
 //! The values that are recorded in every frame: weights, joints and transforms.
 
-use std::sync::Arc;
-
 use bevy::math::{Affine3A, DVec3, Vec3};
+use morph_collision::JointMatrices;
 
 use crate::math::largest;
 
@@ -51,15 +50,15 @@ impl RecordedValue for Affine3A {
 /// Joints in the collider's space, and a point of the mesh, the middle of its bounds.
 #[derive(Clone)]
 pub struct JointSample {
-    /// One for each joint. Shared by everything that remembers this moment.
-    pub matrices: Arc<[Affine3A]>,
+    /// Shared by everything that remembers this moment.
+    pub joints: JointMatrices,
     /// The middle of the mesh in its bind pose.
     pub middle: Vec3,
 }
 
 impl RecordedValue for JointSample {
     fn is_same(&self, other: &Self) -> bool {
-        if Arc::ptr_eq(&self.matrices, &other.matrices) && self.middle == other.middle {
+        if self.joints == other.joints && self.middle == other.middle {
             return true;
         }
         let close = |a: &[f32; 12], b: &[f32; 12]| {
@@ -69,9 +68,8 @@ impl RecordedValue for JointSample {
             a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * scale)
         };
         // Removing the collider's isometry leaves rounding errors. Joints that move nearly always turn, which the first of them shows.
-        let pairs = || self.matrices.iter().zip(&*other.matrices);
-        if self.matrices.len() != other.matrices.len()
-            || !pairs().all(|(a, b)| close(&a.to_cols_array(), &b.to_cols_array()))
+        let mut pairs = self.joints.iter().zip(other.joints.iter());
+        if self.joints.len() != other.joints.len() || !pairs.all(|(a, b)| close(&a.to_cols_array(), &b.to_cols_array()))
         {
             return false;
         }
@@ -82,15 +80,17 @@ impl RecordedValue for JointSample {
     }
 
     fn interpolated(&self, other: &Self, share: f32) -> Self {
-        let matrices = self.matrices.iter().zip(&*other.matrices);
+        let pairs = self.joints.iter().zip(other.joints.iter());
+        let between = JointMatrices::from_matrices(pairs.map(|(a, b)| a.interpolated(&b, share)));
         Self {
-            matrices: matrices.map(|(a, b)| a.interpolated(b, share)).collect(),
+            // Between numbers in range, all are.
+            joints: between.unwrap_or_else(|_| self.joints.clone()),
             middle: self.middle,
         }
     }
 
     fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
-        let middle = |joint: &Affine3A| joint.transform_point3(self.middle).as_dvec3();
-        self.matrices.iter().map(middle)
+        let middle = |joint: Affine3A| joint.transform_point3(self.middle).as_dvec3();
+        self.joints.iter().map(middle)
     }
 }

@@ -9,7 +9,7 @@ use bevy_morph_physics::time::Live;
 use bevy_rapier3d::parry::math::Pose as Isometry;
 use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
-use morph_collision::{InputError, JointMatrices, WorldFromModel};
+use morph_collision::{InputError, WorldFromModel};
 
 /// `live` is what the surface will be drawn with.
 pub(crate) fn predict(
@@ -30,11 +30,10 @@ pub(crate) fn predict(
     } else {
         rigid.inverse() * affine
     };
-    let joints = live.joints.as_ref().map(|joints| JointMatrices::new(&joints.matrices));
-    let joints = joints.transpose()?;
-    let mirrored = match &live.joints {
-        Some(joints) => is_mirrored(joints.matrices.iter()),
-        None => is_mirrored([&collider_from_model].into_iter()),
+    let joints = live.joints.clone()?.map(|sample| sample.joints);
+    let mirrored = match &joints {
+        Some(joints) => is_mirrored(joints.iter()),
+        None => is_mirrored([collider_from_model].into_iter()),
     };
     let to = |world_from_model, carried| {
         Ok(Prediction {

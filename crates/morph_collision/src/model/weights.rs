@@ -6,6 +6,8 @@ pub(crate) struct Weights {
     all: Vec<f32>,
     /// The targets with nonzero weights, ascending, with their weights.
     active: Vec<(u32, f32)>,
+    /// How often they were set. What was computed for them remembers it, and so knows whether it is still valid.
+    version: u64,
 }
 
 /// One binary search is assumed to cost as much as iterating over this many targets. Not measured.
@@ -24,6 +26,12 @@ impl Weights {
         self.active.clear();
         let targets = (0..).zip(all.iter().copied());
         self.active.extend(targets.filter(|&(_, weight)| weight != 0.0));
+        self.version += 1;
+    }
+
+    /// Another number after each change, and never 0.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
     }
 
     pub(crate) fn all(&self) -> &[f32] {

@@ -23,13 +23,8 @@ pub(super) struct JointHull {
 }
 
 impl JointHull {
-    /// Discards what depends on the weights, because they have changed.
+    /// Discards the box in world space, because joints or weights have changed.
     pub(super) fn invalidate(&mut self) {
-        self.boxes.invalidate();
-    }
-
-    /// Discards what depends on joints, because they or the weights have changed.
-    pub(super) fn invalidate_world(&mut self) {
         self.world = None;
     }
 

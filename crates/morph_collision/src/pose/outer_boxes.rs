@@ -24,11 +24,6 @@ impl OuterBoxes {
         }
     }
 
-    /// Discards what depends on the weights, because they have changed.
-    pub(super) fn invalidate(&mut self) {
-        self.groups.iter_mut().for_each(PartBoxes::invalidate);
-    }
-
     /// Sets `boxes` to boxes around the children of a group above the chunks, in a space. They contain every exact vertex.
     pub(super) fn compute(
         &mut self,

@@ -31,22 +31,16 @@ pub(super) struct PartBoxes {
     still_reach: f32,
     /// A bound on those of all boxes.
     reach: f32,
-    /// Whether they are valid for the current weights.
-    is_current: bool,
+    /// For which of the pose's weights they are valid; 0 for none.
+    version: u64,
 }
 
 impl PartBoxes {
-    /// Discards what depends on the weights, because they have changed.
-    pub(super) fn invalidate(&mut self) {
-        self.is_current = false;
-    }
-
-    /// Blends the boxes of these groups of tables unless they are valid. Groups without targets are blended only once.
+    /// Blends the boxes of these groups of tables unless they are valid for these weights. Groups without targets are blended only once.
     pub(super) fn blend(&mut self, level: Level, tables: &Tables, groups: Range<usize>, weights: &Weights) {
-        if self.is_current {
+        if std::mem::replace(&mut self.version, weights.version()) == weights.version() {
             return;
         }
-        self.is_current = true;
         self.blocks
             .reserve_exact(groups.len().saturating_sub(self.blocks.len()));
         self.reach = self.still_reach;

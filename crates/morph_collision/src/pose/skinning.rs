@@ -59,11 +59,7 @@ impl Skinning {
     /// is updated once.
     pub(super) fn change(&mut self, weights_changed: bool) {
         self.vertices.invalidate();
-        self.hull.invalidate_world();
-        if weights_changed {
-            self.hull.invalidate();
-            self.outer.invalidate();
-        }
+        self.hull.invalidate();
         self.is_old = true;
         self.is_reach_old |= weights_changed;
     }

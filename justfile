@@ -126,8 +126,8 @@ release:
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --lib --bin morph-collide --example dolphins --example hat
 
-# Draws the picture of the README's first command with the tool that other release steps have built: `first-run` would compile all again,
-# because the tool alone needs fewer features of what it depends on.
+# `first-run` would compile all again, because the tool alone needs fewer features of what it depends on.
+# Draws the picture of the README's first command with the tool that other release steps have built.
 first-picture PICTURE="dolphins.png": release
     "${CARGO_TARGET_DIR:-target}/release/morph-collide" run assets/scenes/two_dolphins.json --picture {{PICTURE}}
 

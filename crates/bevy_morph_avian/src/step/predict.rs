@@ -14,11 +14,8 @@ use crate::isometry::isometry;
 
 /// The joints of a skinned mesh.
 pub(super) enum Joints<'a> {
-    InWorld {
-        joints: &'a [Affine3A],
-        /// The same in the space of a collider that is where its entity is, if they are valid there.
-        at_entity: Option<JointMatrices>,
-    },
+    InWorld(&'a [Affine3A]),
+    /// In the collider's space.
     InCollider(JointMatrices),
 }
 
@@ -58,11 +55,7 @@ pub(super) fn predict(start: Start, dt: f32) -> Result<Prediction, InputError> {
         rigid.inverse() * affine
     };
     let joints = joints.map(|joints| match joints {
-        Joints::InWorld {
-            at_entity: Some(joints),
-            ..
-        } if now == rigid_part(entity) => Ok(joints),
-        Joints::InWorld { joints, .. } => JointMatrices::from_matrices(joints_in(&now, joints)),
+        Joints::InWorld(joints) => JointMatrices::from_matrices(joints_in(&now, joints)),
         Joints::InCollider(joints) => Ok(joints),
     });
     let joints = joints.transpose()?;

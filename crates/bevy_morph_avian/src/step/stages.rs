@@ -41,12 +41,9 @@ pub(super) fn advance(
     let between_frames = time.span.and_then(|span| moving.drawn.joints.at(span.end));
     let joints = match (live.joints, between_frames) {
         (Ok(Some(_)), Some(sample)) => Some(Joints::InCollider(sample.joints)),
-        (drawn, _) => skin
+        _ => skin
             .and_then(|skin| sources.world_from_joints(skin))
-            .map(|joints| Joints::InWorld {
-                joints,
-                at_entity: drawn.ok().flatten().map(|sample| sample.joints),
-            }),
+            .map(Joints::InWorld),
     };
     let collider = surface.position.zip(surface.rotation);
     let start = Start {

@@ -50,13 +50,13 @@ struct KnownPoses {
     /// Another number after each change.
     version: u64,
     /// The look in which they were last compared.
-    look: u64,
+    look: Option<u64>,
 }
 
 impl KnownPoses {
     /// Compares them with the current ones, once per look: assets do not say which of them changed before the end of the frame.
     fn look(&mut self, look: u64, current: &[Mat4]) {
-        if std::mem::replace(&mut self.look, look) != look && self.matrices != current {
+        if self.look.replace(look) != Some(look) && self.matrices != current {
             current.clone_into(&mut self.matrices);
             self.version += 1;
         }
@@ -178,7 +178,6 @@ impl Skeletons {
     /// Updates every skeleton again on its next request, because the system that asks has moved joints itself.
     pub(crate) fn outdate(&mut self) {
         self.moment = self.moment.wrapping_add(1);
-        self.looks += 1;
     }
 
     /// The skeleton of a mesh. `global_of` returns the global transform of an entity that exists.
@@ -365,11 +364,11 @@ mod tests {
         };
         let (mut skeletons, mut seen) = (Skeletons::default(), Vec::new());
         for x in [0.0, 0.0, 1.0, 0.0] {
-            skeletons.outdate();
             for skin in [&stage.skin, &other] {
                 let global_of = |_| Some(Affine3A::from_translation(Vec3::X * x));
                 seen.push(skeletons.of(skin, Some(poses), global_of).version());
             }
+            skeletons.outdate();
         }
         let (first, rest) = seen.split_at(2);
         assert_eq!(first, &rest[..2], "nothing has changed: {seen:?}");

@@ -9,7 +9,7 @@ default:
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
 # and all release steps a third one without Bevy.
 # The checks that must pass before a change lands: less than half an hour on two cores.
-ci: fmt-check spell licences clippy doc test demo-check package-list determinism-release first-picture instructions-check verify-short
+ci: fmt-check spell licences clippy doc test demo-check package-list determinism-release first-picture instructions-check crowds-check verify-short
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
@@ -377,7 +377,8 @@ instructions-crowds *WAYS:
 instructions-run CROWD="idle" WITH="collisions":
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build -p morph_collision_workspace --example report
+    # As in `just test`, so that both share what they compile.
+    cargo build --workspace --example report
     counts=$(mktemp)
     trap 'rm "$counts"' EXIT
     valgrind --fair-sched=yes --tool=callgrind "--callgrind-out-file=$counts" '--toggle-collect=*counted_update*' \
@@ -385,7 +386,7 @@ instructions-run CROWD="idle" WITH="collisions":
         awk '/Collected : / { printf "%10.1f all\n", $NF / 4 / 1000 }'
     # Four frames are counted. A system's function may be inlined, but not one of those that run it, whose types name it last. They call each
     # other, so the largest count is that of the system.
-    callgrind_annotate --inclusive=yes --threshold=100 "$counts" |
+    callgrind_annotate --inclusive=yes --threshold=100 "$counts" 2> /dev/null |
         sed -n 's/^ *\([0-9,]*\) .*, bevy_morph_collision\(\(::[a-z_]*\)*\)> as bevy_ecs::system::system::System>::run[a-z_]* \[.*/\1 \2/p' |
         awk '{ gsub(",", "", $1); sub("^.*::", "", $2); if ($1 + 0 > most[$2] + 0) most[$2] = $1 }
             END { for (name in most) { printf "%10.1f %s\n", most[name] / 4 / 1000, name; sum += most[name] } printf "%10.1f all systems\n", sum / 4 / 1000 }' |
@@ -463,6 +464,20 @@ instructions-check: release
     if [ "$kernel" != avx2 ]; then echo "skipped: the counts are those of avx2, not of $kernel"; exit; fi
     recorded=crates/morph_collision_testkit/instructions.txt
     just instructions $(awk '$2 == "all" { print $1 }' "$recorded") | awk -v recorded="$recorded" '
+        BEGIN { while ((getline < recorded) > 0) { before[$1 " " $2] = $3; rows++ } }
+        { ratio = $3 / before[$1 " " $2]; failed += ratio > 1.05 || $3 == 0; printf "%s  %.3f of %s\n", $0, ratio, before[$1 " " $2] }
+        END { if (failed || NR != rows) exit 1 }' || { echo "slower than $recorded says, or not all of it was counted; record it anew if that is meant"; exit 1; }
+
+# The same for what a frame of a crowd costs the plugin: the rows of examples/report/crowds/instructions.txt, in thousands.
+crowds-check: release
+    #!/usr/bin/env bash
+    set -euo pipefail
+    kernel=$("${CARGO_TARGET_DIR:-target}/release/morph-lab" frames)
+    if [ "$kernel" != avx2 ]; then echo "skipped: the counts are those of avx2, not of $kernel"; exit; fi
+    recorded=examples/report/crowds/instructions.txt
+    count() { just instructions-run $1 $2 | awk -v row="$1 $2" '/ all systems$/ { print row, $1 }'; }
+    export -f count
+    awk '{ print $1, $2 }' "$recorded" | xargs -P "$(nproc)" -L 1 bash -c 'count $0 $1' | awk -v recorded="$recorded" '
         BEGIN { while ((getline < recorded) > 0) { before[$1 " " $2] = $3; rows++ } }
         { ratio = $3 / before[$1 " " $2]; failed += ratio > 1.05 || $3 == 0; printf "%s  %.3f of %s\n", $0, ratio, before[$1 " " $2] }
         END { if (failed || NR != rows) exit 1 }' || { echo "slower than $recorded says, or not all of it was counted; record it anew if that is meant"; exit 1; }

@@ -6,7 +6,6 @@ use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
-use bevy::transform::systems::mark_dirty_trees;
 use bevy_morph_physics::MorphSurface;
 use bevy_morph_physics::engine::{
     self, Engine, EngineNames, add_systems, attach_surfaces, record_transforms, runs_fixed, schedules_with,
@@ -21,7 +20,7 @@ use bevy_rapier3d::prelude::{Collider, RapierColliderHandle};
 
 use crate::characters::{Footing, MorphCharacterCarry, after_controllers, before_controllers, carry};
 use crate::push::Pushing;
-use crate::step::{Stepping, after_step, before_step, note_step, record_frame, set_dispatcher};
+use crate::step::{Stepping, after_step, before_step, mark_moved_hierarchies, note_step, record_frame, set_dispatcher};
 use crate::surface::{Rapier, RapierState, RapierSurface, refresh_surfaces, remove_parts, stop_absent};
 
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphPhysicsCollider`](crate::MorphPhysicsCollider).
@@ -166,9 +165,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                     .in_set(PhysicsSet::SyncBackend)
                     .after(update_character_controls)
                     .before(RapierTransformPropagateSet),
-                // Rapier places hierarchies before its step, but only those that were marked. Otherwise, the first change of a joint, or
-                // of a body with children, would reach the step a frame late, if at all.
-                mark_dirty_trees
+                mark_moved_hierarchies
                     .run_if(any_with_component::<RapierSurface>)
                     .in_set(PhysicsSet::SyncBackend)
                     .after(carry)

@@ -1,6 +1,7 @@
 //! What a crowd of skinned characters costs in a frame while nothing happens to most of them.
 
 mod physics;
+mod questions;
 mod run;
 
 use bevy::math::Vec2;
@@ -16,6 +17,7 @@ pub(crate) use run::{Crowd, With, count as count_run};
 pub(crate) fn sections(quick: bool) -> Vec<Section<'static>> {
     vec![
         ("run-time", Box::new(move || run::times(quick))),
+        ("ray-time", Box::new(move || questions::times(quick))),
         ("physics-time", Box::new(move || physics::times(quick))),
     ]
 }

@@ -72,7 +72,7 @@ impl Crowd {
     }
 
     /// The crowd, ready for its first frame.
-    fn stage(self, with: With) -> Result<Stage, String> {
+    pub(super) fn stage(self, with: With) -> Result<Stage, String> {
         let (file, clip, _) = self.model();
         let model = Model::find(file)?;
         let places = self.places(0);

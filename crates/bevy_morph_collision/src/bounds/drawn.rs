@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb, NoFrustumCulling};
 use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::query::QueryItem;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
@@ -70,6 +71,33 @@ impl DrawnMeshes<'_, '_> {
         self.poses.drop_unused();
         self.skeletons.notice();
         self.cached.retain(|_, cached| std::mem::take(&mut cached.is_used));
+    }
+
+    /// Updates the box of a mesh.
+    fn update(
+        &mut self,
+        (entity, mesh, weights, skin, world_from_entity, mut aabb, (has_dynamic, had_dynamic)): QueryItem<DrawnMesh>,
+        commands: &mut Commands,
+    ) {
+        let key = TreeKey::of(mesh, None, skin);
+        if self.trees.up_to_date(key).is_none() {
+            if had_dynamic {
+                give_back_to_bevy(commands, entity);
+            }
+            return;
+        }
+        // Otherwise the box stays the same.
+        let Some(wanted) = self.bounds(entity, key, weights, skin, world_from_entity) else {
+            return;
+        };
+        if *aabb != wanted {
+            *aabb = wanted;
+        }
+        if has_dynamic {
+            let mut entity = commands.entity(entity);
+            entity.try_remove::<DynamicSkinnedMeshBounds>();
+            entity.try_insert(HadDynamicBounds);
+        }
     }
 
     /// A box around a mesh in the space of its entity. `None` if it is not known what is drawn.
@@ -170,35 +198,20 @@ impl CachedBounds {
 
 /// Updates the boxes of deforming meshes so that they contain what is drawn. If nothing else has changed, looks only at skinned meshes.
 pub(super) fn update_bounds(
-    mut meshes: ParamSet<(BoundsChanges, Query<DrawnMesh, Culled>)>,
+    mut meshes: ParamSet<(
+        BoundsChanges,
+        Query<DrawnMesh, Culled>,
+        Query<DrawnMesh, (Culled, With<SkinnedMesh>)>,
+    )>,
     mut drawn: DrawnMeshes,
     mut commands: Commands,
 ) {
-    let only_skinned = !meshes.p0().any(&drawn.trees);
+    let any = meshes.p0().any(&drawn.trees);
     drawn.begin();
-    for (entity, mesh, weights, skin, world_from_entity, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes.p1() {
-        if only_skinned && skin.is_none() {
-            continue;
-        }
-        let key = TreeKey::of(mesh, None, skin);
-        if drawn.trees.up_to_date(key).is_none() {
-            if had_dynamic {
-                give_back_to_bevy(&mut commands, entity);
-            }
-            continue;
-        }
-        // Otherwise the box stays the same.
-        let Some(wanted) = drawn.bounds(entity, key, weights, skin, world_from_entity) else {
-            continue;
-        };
-        if *aabb != wanted {
-            *aabb = wanted;
-        }
-        if has_dynamic {
-            let mut entity = commands.entity(entity);
-            entity.try_remove::<DynamicSkinnedMeshBounds>();
-            entity.try_insert(HadDynamicBounds);
-        }
+    if any {
+        meshes.p1().iter_mut().for_each(|mesh| drawn.update(mesh, &mut commands));
+    } else {
+        meshes.p2().iter_mut().for_each(|mesh| drawn.update(mesh, &mut commands));
     }
 }
 

@@ -3,11 +3,12 @@
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
+use morph_collision::WorldFromModel;
 use tracing::{debug_span, error};
 
 use super::skeletons::CurrentSkeletons;
 use crate::app::Names;
-use crate::components::MorphCollider;
+use crate::components::{MorphCollider, MorphColliderDisabled};
 use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics};
 
 /// Gives every skinned pose the joint matrices with which its mesh is drawn.
@@ -15,7 +16,7 @@ use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics};
 /// Matrices are compared by value, so a character at rest keeps its answers. Invalid matrices are logged once per skeleton, until
 /// they are valid again; the last valid ones stay in use.
 pub(crate) fn read_joints(
-    mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh), With<MorphCollider>>,
+    mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh, Has<MorphColliderDisabled>), With<MorphCollider>>,
     names: Names,
     mut skeletons: CurrentSkeletons,
     mut news: ResMut<ColliderNews>,
@@ -24,7 +25,7 @@ pub(crate) fn read_joints(
     let start = Instant::now();
     let _span = debug_span!("morph_collision::joints").entered();
     skeletons.notice();
-    for (entity, mut state, skin) in &mut colliders {
+    for (entity, mut state, skin, is_disabled) in &mut colliders {
         let Some(pose) = state.pose_mut() else { continue };
         if pose.joints().is_none() {
             continue;
@@ -42,15 +43,18 @@ pub(crate) fn read_joints(
             skeleton.is_reported = true;
         }
         let state = &mut *state;
+        let is_first = !state.has_joints;
         if let (Some(matrices), Some(pose)) = (skeleton.matrices(), state.pose_mut())
             && let Ok(changed) = pose.set_joints(matrices)
+            && (changed || is_first)
         {
-            let changed = changed || !state.has_joints;
-            state.has_joints = true;
-            if changed {
-                state.freshness.pose_changed();
-                news.reposed.push(entity);
+            if !is_disabled {
+                // The broad phase will ask for this box, when the matrices are no longer in the processor's nearest cache.
+                pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
             }
+            state.has_joints = true;
+            state.freshness.pose_changed();
+            news.reposed.push(entity);
         }
     }
     diagnostics.duration += start.elapsed();

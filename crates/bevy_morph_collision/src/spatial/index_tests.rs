@@ -1,6 +1,6 @@
 //! Tests of the tree over all colliders.
 
-use super::super::rays::enters;
+use super::super::rays::BoxEntry;
 use super::*;
 
 type Colliders = Vec<(Entity, Aabb)>;
@@ -120,8 +120,9 @@ fn boxes_looked_at_grow_slower_than_colliders() {
         // As if every box were full.
         let mut looks = 0;
         for i in 0..200 {
-            let (origin, direction) = (point(i), (point(i + 200) - point(i)).normalize());
-            let entry = |bounds: &Aabb| enters(bounds, origin, direction, f32::INFINITY);
+            let direction = Dir3::new(point(i + 200) - point(i)).unwrap();
+            let ray = BoxEntry::new(point(i), direction, f32::INFINITY);
+            let entry = |bounds: &Aabb| ray.distance(bounds);
             index.walk(
                 &mut Queue::new(),
                 f32::INFINITY,

@@ -155,7 +155,8 @@ impl Walker<'_, '_, '_> {
             max_distance,
             ..
         } = *cast;
-        let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
+        let entry = BoxEntry::new(origin, direction, max_distance);
+        let enters = |bounds: &Aabb| entry.distance(bounds);
         let mut all: Vec<Ranked> = Vec::new();
         self.walk(filter, predicate, max_distance, enters, |queries, entity, target| {
             match target {
@@ -191,7 +192,8 @@ impl Walker<'_, '_, '_> {
             ref point,
         } = *cast;
         let mut within = max_distance;
-        let enters = |bounds: &Aabb| enters(bounds, origin, *direction, max_distance);
+        let entry = BoxEntry::new(origin, direction, max_distance);
+        let enters = |bounds: &Aabb| entry.distance(bounds);
         let mut first: Option<Ranked> = None;
         self.walk(filter, predicate, max_distance, enters, |queries, entity, target| {
             let hit = match target {
@@ -260,32 +262,41 @@ fn meets_shape(point: &PlacedShape, direction: Dir3, max_distance: f32, shape: &
     Some(ShapeImpact { normal, ..impact })
 }
 
-/// A lower bound of the distance at which a ray enters a box; `None` if it certainly misses it.
-pub(super) fn enters(bounds: &Aabb, origin: Vec3, direction: Vec3, max_distance: f32) -> Option<f32> {
-    let (mut first, mut last) = (0.0_f64, f64::from(max_distance));
-    let size = (bounds.min.abs().max(bounds.max.abs()) + origin.abs()).max_element();
-    if !size.is_finite() {
-        return Some(0.0);
-    }
-    let slack = f64::from(size) * 1e-6;
-    for i in 0..3 {
-        let (origin, direction) = (f64::from(origin[i]), f64::from(direction[i]));
-        let (low, high) = (
-            f64::from(bounds.min[i]) - slack - origin,
-            f64::from(bounds.max[i]) + slack - origin,
-        );
-        if direction == 0.0 {
-            if low > 0.0 || high < 0.0 {
-                return None;
-            }
-            continue;
+/// A ray, prepared to find where it enters boxes.
+pub(super) struct BoxEntry {
+    origin: DVec3,
+    inverse_direction: DVec3,
+    max_distance: f64,
+    /// The largest absolute coordinate of the origin.
+    reach: f32,
+}
+
+impl BoxEntry {
+    pub(super) fn new(origin: Vec3, direction: Dir3, max_distance: f32) -> Self {
+        // Not infinite, so that no product is NaN.
+        let inverse = |component: f64| if component == 0.0 { f64::MAX } else { 1.0 / component };
+        Self {
+            origin: origin.as_dvec3(),
+            inverse_direction: direction.as_dvec3().map(inverse),
+            max_distance: f64::from(max_distance),
+            reach: origin.abs().max_element(),
         }
-        let (near, far) = (low / direction, high / direction);
-        first = first.max(near.min(far));
-        last = last.min(near.max(far));
     }
-    // Slack for rounding.
-    (first <= last + slack).then_some(((first - slack) * (1.0 - 1e-6)) as f32)
+
+    /// A lower bound of the distance at which the ray enters a box; `None` if it certainly misses it.
+    pub(super) fn distance(&self, bounds: &Aabb) -> Option<f32> {
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element() + self.reach;
+        if !size.is_finite() {
+            return Some(0.0);
+        }
+        let slack = f64::from(size) * 1e-6;
+        let low = (bounds.min.as_dvec3() - self.origin - slack) * self.inverse_direction;
+        let high = (bounds.max.as_dvec3() - self.origin + slack) * self.inverse_direction;
+        let first = low.min(high).max_element().max(0.0);
+        let last = low.max(high).min_element().min(self.max_distance);
+        // Slack for rounding.
+        (first <= last + slack).then_some(((first - slack) * (1.0 - 1e-6)) as f32)
+    }
 }
 
 impl MorphQueryFilter {

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, PlacedShape, Rank, ShapeImpact};
 
-use super::rays::{HitRank, RayCast, enters};
+use super::rays::{BoxEntry, HitRank, RayCast};
 use super::target::Target;
 use super::walker::Walker;
 use super::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
@@ -151,12 +151,13 @@ impl Walker<'_, '_, '_> {
             around,
         } = *cast;
         let way = direction.as_dvec3();
+        let entry = BoxEntry::new(origin, direction, max_distance);
         let reaches = |bounds: &Aabb| {
             let grown = Aabb {
                 min: bounds.min - (around.max - origin),
                 max: bounds.max - (around.min - origin),
             };
-            enters(&grown, origin, *direction, max_distance)
+            entry.distance(&grown)
         };
         self.walk(filter, predicate, max_distance, reaches, |queries, entity, target| {
             let last = first.get(count - 1).map(|(_, impact)| impact.distance);

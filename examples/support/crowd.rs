@@ -12,7 +12,43 @@ use crate::error::ExampleError;
 /// A clip of a model and its name, which is empty if the file has none.
 pub type NamedClip = (String, Handle<AnimationClip>);
 
-/// Loads a model in the app's asset folder and spawns its first scene at each of some places, with `more` on its root.
+/// Loads a model in the app's asset folder. Returns its first scene and its clips. The app must be [ready](crate::app::ready).
+///
+/// # Errors
+/// The file cannot be loaded, or has no scene.
+pub fn load(app: &mut App, file: &Path) -> Result<(Handle<WorldAsset>, Vec<NamedClip>), ExampleError> {
+    let gltf = load_gltf(app, file)?;
+    let no_scene = || ExampleError::NoScene(file.into());
+    let assets = app.world().resource::<Assets<Gltf>>();
+    let gltf = assets.get(&gltf).ok_or_else(no_scene)?;
+    let name = |clip: &Handle<AnimationClip>| {
+        let named = gltf.named_animations.iter().find(|(_, named)| *named == clip);
+        named.map(|(name, _)| name.to_string()).unwrap_or_default()
+    };
+    let clips: Vec<NamedClip> = gltf.animations.iter().map(|clip| (name(clip), clip.clone())).collect();
+    Ok((gltf.scenes.first().cloned().ok_or_else(no_scene)?, clips))
+}
+
+/// Spawns a scene at each of some places, with `more` on its root. Returns the roots; what is below them comes with a later frame.
+pub fn place(
+    app: &mut App,
+    scene: &Handle<WorldAsset>,
+    places: &[Transform],
+    more: impl Bundle + Clone,
+) -> Vec<Entity> {
+    let spawn = |&place: &Transform| {
+        let root = (
+            WorldAssetRoot(scene.clone()),
+            Visibility::default(),
+            more.clone(),
+            place,
+        );
+        app.world_mut().spawn(root).id()
+    };
+    places.iter().map(spawn).collect()
+}
+
+/// [Loads](load) a model, [spawns](place) its first scene at each of some places, and waits until all are there.
 ///
 /// Returns the roots and the model's clips. The app must be [ready](crate::app::ready).
 ///
@@ -26,31 +62,11 @@ pub fn spawn(
 ) -> Result<(Vec<Entity>, Vec<NamedClip>), ExampleError> {
     #[derive(Component)]
     struct Ready;
-    let gltf = load_gltf(app, file)?;
-    let world = app.world_mut();
-    let no_scene = || ExampleError::NoScene(file.into());
-    let (scene, clips) = {
-        let gltf = world.resource::<Assets<Gltf>>().get(&gltf).ok_or_else(no_scene)?;
-        let name = |clip: &Handle<AnimationClip>| {
-            let named = gltf.named_animations.iter().find(|(_, named)| *named == clip);
-            named.map(|(name, _)| name.to_string()).unwrap_or_default()
-        };
-        let clips: Vec<NamedClip> = gltf.animations.iter().map(|clip| (name(clip), clip.clone())).collect();
-        (gltf.scenes.first().cloned().ok_or_else(no_scene)?, clips)
-    };
-    world.add_observer(|ready: On<WorldInstanceReady>, mut commands: Commands| {
+    let (scene, clips) = load(app, file)?;
+    app.add_observer(|ready: On<WorldInstanceReady>, mut commands: Commands| {
         commands.entity(ready.entity).insert(Ready);
     });
-    let spawn = |&place: &Transform| {
-        let root = (
-            WorldAssetRoot(scene.clone()),
-            Visibility::default(),
-            more.clone(),
-            place,
-        );
-        world.spawn(root).id()
-    };
-    let roots: Vec<Entity> = places.iter().map(spawn).collect();
+    let roots = place(app, &scene, places, more);
     update_until(app, file, |world| {
         Ok(roots.iter().all(|&root| world.get::<Ready>(root).is_some()))
     })?;

@@ -1,5 +1,7 @@
 //! What a crowd of skinned characters costs in a frame while nothing happens to most of them.
 
+mod appearing;
+mod counts;
 mod physics;
 mod questions;
 mod run;
@@ -17,7 +19,10 @@ pub(crate) use run::{Crowd, With, count as count_run};
 pub(crate) fn sections(quick: bool) -> Vec<Section<'static>> {
     vec![
         ("run-time", Box::new(move || run::times(quick))),
+        ("run-instructions", Box::new(counts::of_runs)),
         ("ray-time", Box::new(move || questions::times(quick))),
         ("physics-time", Box::new(move || physics::times(quick))),
+        ("physics-instructions", Box::new(counts::of_physics)),
+        ("appearing-time", Box::new(move || appearing::times(quick))),
     ]
 }

@@ -17,7 +17,7 @@ use super::APART;
 use crate::characters::{Stage, frame_times, grid};
 use crate::model::Model;
 
-const CHARACTERS: usize = 100;
+pub(super) const CHARACTERS: usize = 100;
 const CLIP: &str = "walk_and_talk";
 /// The unit of the model is the decimetre.
 const LENGTH_UNIT: f32 = 10.0;
@@ -40,7 +40,7 @@ pub(crate) enum Way {
 }
 
 impl Way {
-    fn has_surfaces(self) -> bool {
+    pub(super) fn has_surfaces(self) -> bool {
         !matches!(self, Self::Rapier | Self::Avian)
     }
 
@@ -52,7 +52,7 @@ impl Way {
         matches!(self, Self::Rapier | Self::RapierSurfaces | Self::RapierWalked)
     }
 
-    fn add_physics(self, app: &mut App) {
+    pub(super) fn add_physics(self, app: &mut App) {
         app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
         if self.is_rapier() {
             let physics = rapier::RapierPhysicsPlugin::<rapier::NoUserData>::default();
@@ -158,7 +158,7 @@ pub(super) fn times(quick: bool) -> Result<String, String> {
 }
 
 /// The frames that are counted.
-const COUNTED: usize = 10;
+pub(super) const COUNTED: usize = 10;
 
 /// Runs a few frames of one crowd, for tools that count instructions in the function `counted_frames`.
 pub(crate) fn count(way: Way) -> Result<(), String> {

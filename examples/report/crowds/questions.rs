@@ -41,7 +41,9 @@ fn time(stage: &mut Stage, frames: usize, ask: Ask) -> [f64; 2] {
     for _ in 0..frames {
         stage.app.update();
         let rays = rays(stage, &mut random);
-        let Ok(query) = spatial.get(stage.app.world_mut()) else { continue };
+        let Ok(query) = spatial.get(stage.app.world_mut()) else {
+            continue;
+        };
         for times in &mut times {
             let watch = Stopwatch::start();
             ask(&query, &rays, &mut hits);
@@ -54,7 +56,10 @@ fn time(stage: &mut Stage, frames: usize, ask: Ask) -> [f64; 2] {
 fn one_by_one(spatial: &MorphSpatialQuery, rays: &[Ray3d], hits: &mut Vec<Option<MorphRayHit>>) {
     let filter = MorphQueryFilter::default();
     hits.clear();
-    hits.extend(rays.iter().map(|ray| spatial.cast_ray(ray.origin, ray.direction, 60.0, &filter)));
+    hits.extend(
+        rays.iter()
+            .map(|ray| spatial.cast_ray(ray.origin, ray.direction, 60.0, &filter)),
+    );
 }
 
 fn together(spatial: &MorphSpatialQuery, rays: &[Ray3d], hits: &mut Vec<Option<MorphRayHit>>) {
@@ -66,7 +71,10 @@ pub(super) fn times(quick: bool) -> Result<String, String> {
     let frames = if quick { 5 } else { 60 };
     let mut stage = Crowd::Clip.stage(With::Collisions)?;
     let mut table = Table::new(["", "after a frame, µs", "cast again, µs"]);
-    let ways: [(&str, Ask); 2] = [("`cast_ray`, one by one", one_by_one), ("`cast_rays`, together", together)];
+    let ways: [(&str, Ask); 2] = [
+        ("`cast_ray`, one by one", one_by_one),
+        ("`cast_rays`, together", together),
+    ];
     for (name, ask) in ways {
         let times = time(&mut stage, frames, ask).map(|time| format!("{time:.2}"));
         table.row([name.to_owned()].into_iter().chain(times));

@@ -112,7 +112,7 @@ impl Crowd {
 /// The frames before those that are counted or timed.
 const WARM_UP: usize = 4;
 /// The frames that are counted.
-const COUNTED: usize = 4;
+pub(super) const COUNTED: usize = 4;
 
 /// Runs a few frames of a crowd, for tools that count instructions in the function `counted_update`.
 pub(crate) fn count(crowd: Crowd, with: With) -> Result<(), String> {

@@ -209,9 +209,15 @@ pub(super) fn update_bounds(
     let any = meshes.p0().any(&drawn.trees);
     drawn.begin();
     if any {
-        meshes.p1().iter_mut().for_each(|mesh| drawn.update(mesh, &mut commands));
+        meshes
+            .p1()
+            .iter_mut()
+            .for_each(|mesh| drawn.update(mesh, &mut commands));
     } else {
-        meshes.p2().iter_mut().for_each(|mesh| drawn.update(mesh, &mut commands));
+        meshes
+            .p2()
+            .iter_mut()
+            .for_each(|mesh| drawn.update(mesh, &mut commands));
     }
 }
 

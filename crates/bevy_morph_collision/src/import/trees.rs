@@ -64,7 +64,7 @@ pub struct MorphTrees {
 }
 
 /// The number of positions, indices, displacements and influences copied per frame of 1/60 s.
-const COPIED_PER_FRAME: usize = 1 << 17;
+const COPIED_PER_FRAME: usize = 1 << 16;
 
 impl MorphTrees {
     /// The tree of a mesh for entities without [`MorphTreeOptions`] and without [`SkinnedMesh`], if it is ready.

@@ -360,19 +360,6 @@ instructions-motion:
         done
     done
 
-# Counts the instructions of a frame of a crowd in physics, in millions (needs valgrind). Default: all crowds of docs/crowds.md.
-instructions-crowds *WAYS:
-    #!/usr/bin/env bash
-    set -euo pipefail
-    cargo build --release -p morph_collision_workspace --example report
-    report="${CARGO_TARGET_DIR:-target}/release/examples/report"
-    ways="{{WAYS}}"
-    for way in ${ways:-rapier rapier-surfaces rapier-walked avian avian-surfaces avian-walked}; do
-        output=$(valgrind --fair-sched=yes --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_frames*' "$report" crowds --count $way 2>&1)
-        # Ten frames are counted.
-        awk -v way=$way -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-16s %8.3f\n", way, n / 10 / 1e6 }'
-    done
-
 # Counts the instructions of a frame of a crowd of docs/crowds.md (idle, moving, dense or clip; with nothing, collisions or bounds), in thousands: all, and the plugin's systems (needs valgrind).
 instructions-run CROWD="idle" WITH="collisions":
     #!/usr/bin/env bash

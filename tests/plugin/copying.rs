@@ -34,8 +34,8 @@ fn copied_in_frames_of(length: Duration) -> Vec<f32> {
     let mesh = add_mesh(&mut app, &large());
     spawn(&mut app, &mesh, 0.0);
     app.update();
-    // There are a million displacements, of which a frame copies an eighth. Changing the asset without Bevy
-    // noticing shows how much has been copied.
+    // There are a million displacements, of which a frame copies a sixteenth. Changing the asset without
+    // Bevy noticing shows how much has been copied.
     let mark = |app: &mut App, z: f32| {
         let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
         let mesh = meshes.get_mut_untracked(&mesh).unwrap();
@@ -45,7 +45,7 @@ fn copied_in_frames_of(length: Duration) -> Vec<f32> {
         }
         mesh.set_morph_targets(targets);
     };
-    for frame in 2..12 {
+    for frame in 2..20 {
         mark(&mut app, frame as f32);
         app.update();
     }
@@ -66,14 +66,14 @@ fn copied_in_frames_of(length: Duration) -> Vec<f32> {
 /// The most displacements that were copied in one frame.
 fn most_in_a_frame(lifts: &[f32]) -> usize {
     let in_frame = |z: f32| lifts.iter().filter(|&&lift| lift == z).count() * 20_000;
-    (1..12).map(|z| in_frame(z as f32)).max().unwrap_or_default()
+    (1..20).map(|z| in_frame(z as f32)).max().unwrap_or_default()
 }
 
 #[test]
 fn a_large_mesh_is_copied_a_part_in_each_frame() {
     let lifts = copied_in_frames_of(Duration::from_secs(1) / 60);
-    assert!(lifts[49] >= 8.0, "{lifts:?}");
-    assert!(most_in_a_frame(&lifts) <= (1 << 17) + 20_000, "{lifts:?}");
+    assert!(lifts[49] >= 15.0, "{lifts:?}");
+    assert!(most_in_a_frame(&lifts) <= (1 << 16) + 20_000, "{lifts:?}");
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn slow_frames_copy_larger_parts() {
     let lifts = copied_in_frames_of(Duration::from_secs(1) / 10);
     // Up to six times as much, less what the copying itself takes.
     let most = most_in_a_frame(&lifts);
-    assert!((2 << 17..=(6 << 17) + 20_000).contains(&most), "{lifts:?}");
+    assert!((2 << 16..=(6 << 16) + 20_000).contains(&most), "{lifts:?}");
 }
 
 #[test]

@@ -41,3 +41,58 @@ fn mark_up(entity: Entity, trees: &mut Query<(&mut TransformTreeChanged, Option<
         next = parent.map(ChildOf::parent);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::entity::EntityHashSet;
+    use bevy::prelude::*;
+    use bevy::tasks::{ComputeTaskPool, TaskPool};
+    use bevy::transform::components::TransformTreeChanged;
+    use bevy::transform::systems::mark_dirty_trees;
+
+    use super::mark_moved_hierarchies;
+
+    #[derive(Resource, Default)]
+    struct Marked(EntityHashSet);
+
+    fn list(marked: Query<Entity, Changed<TransformTreeChanged>>, mut list: ResMut<Marked>) {
+        list.0 = marked.iter().collect();
+    }
+
+    #[test]
+    fn what_moved_is_marked_with_all_above_it() {
+        let mut world = World::new();
+        world.init_resource::<StaticTransformOptimizations>();
+        world.init_resource::<Marked>();
+        let [first, second] = [(); 2].map(|()| world.spawn(Transform::default()).id());
+        let middle = world.spawn((Transform::default(), ChildOf(first))).id();
+        let leaf = world.spawn((Transform::default(), ChildOf(middle))).id();
+        let still = world.spawn((Transform::default(), ChildOf(first))).id();
+        let mut ours = Schedule::default();
+        ours.add_systems((mark_moved_hierarchies, list).chain());
+        let mut marked = move |world: &mut World| {
+            ours.run(world);
+            world.resource::<Marked>().0.clone()
+        };
+        assert_eq!(
+            marked(&mut world),
+            EntityHashSet::from_iter([first, second, middle, leaf, still])
+        );
+        assert_eq!(marked(&mut world), EntityHashSet::from_iter([]));
+        let move_leaf = |world: &mut World| {
+            world.entity_mut(leaf).insert(Transform::from_xyz(1.0, 0.0, 0.0));
+        };
+        move_leaf(&mut world);
+        assert_eq!(marked(&mut world), EntityHashSet::from_iter([first, middle, leaf]));
+        // Bevy marks the leaf at the end of a frame. Then it gets another parent.
+        move_leaf(&mut world);
+        ComputeTaskPool::get_or_init(TaskPool::default);
+        let mut at_the_end = Schedule::default();
+        at_the_end.add_systems(mark_dirty_trees);
+        at_the_end.run(&mut world);
+        world.entity_mut(leaf).insert(ChildOf(second));
+        assert!(marked(&mut world).contains(&second));
+        world.entity_mut(leaf).remove::<ChildOf>();
+        assert_eq!(marked(&mut world), EntityHashSet::from_iter([leaf]));
+    }
+}

@@ -373,7 +373,7 @@ instructions-run CROWD="idle" WITH="collisions":
         awk '/Collected : / { printf "%10.1f all\n", $NF / 4 / 1000 }'
     # Four frames are counted. A system's function may be inlined, but not one of those that run it, whose types name it last. They call each
     # other, so the largest count is that of the system.
-    callgrind_annotate --inclusive=yes --threshold=100 "$counts" 2> /dev/null |
+    callgrind_annotate --inclusive=yes --threshold=100 "$counts" 2> >(grep -v '^Use of uninitialized value' >&2) |
         sed -n 's/^ *\([0-9,]*\) .*, bevy_morph_collision\(\(::[a-z_]*\)*\)> as bevy_ecs::system::system::System>::run[a-z_]* \[.*/\1 \2/p' |
         awk '{ gsub(",", "", $1); sub("^.*::", "", $2); if ($1 + 0 > most[$2] + 0) most[$2] = $1 }
             END { for (name in most) { printf "%10.1f %s\n", most[name] / 4 / 1000, name; sum += most[name] } printf "%10.1f all systems\n", sum / 4 / 1000 }' |

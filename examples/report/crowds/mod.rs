@@ -7,6 +7,7 @@ mod questions;
 mod run;
 
 use bevy::math::Vec2;
+use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use morph_collision_testkit::report::Section;
 
 /// The distances between characters, in decimetres. Nobody is near another one, whatever the moment of their clip.
@@ -17,6 +18,8 @@ pub(crate) use run::{Crowd, With, count as count_run};
 
 /// The sections of the page.
 pub(crate) fn sections(quick: bool) -> Vec<Section<'static>> {
+    // The same on every machine.
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(1).build());
     vec![
         ("run-time", Box::new(move || run::times(quick))),
         ("run-instructions", Box::new(counts::of_runs)),

@@ -208,16 +208,11 @@ pub(super) fn update_bounds(
 ) {
     let any = meshes.p0().any(&drawn.trees);
     drawn.begin();
+    let update = |mesh: QueryItem<DrawnMesh>| drawn.update(mesh, &mut commands);
     if any {
-        meshes
-            .p1()
-            .iter_mut()
-            .for_each(|mesh| drawn.update(mesh, &mut commands));
+        meshes.p1().iter_mut().for_each(update);
     } else {
-        meshes
-            .p2()
-            .iter_mut()
-            .for_each(|mesh| drawn.update(mesh, &mut commands));
+        meshes.p2().iter_mut().for_each(update);
     }
 }
 

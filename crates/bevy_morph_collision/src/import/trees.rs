@@ -28,7 +28,7 @@ use crate::components::{MorphCollisionSettings, MorphTreeOptions};
 ///
 /// Only systems can access Bevy's meshes, so meshes are copied on the main thread: in a frame of 1/60 s, at most 65,536 positions,
 /// indices, displacements and joint influences, which takes about 0.4 ms on a server's core. A face with 30,000 vertices and 52
-/// targets takes 24 such frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens
+/// targets takes about 27 such frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens
 /// in the background. The copy has no displacements that are zero, and is gone before the tree is built: with it, importing a mesh takes at most
 /// about three times the memory that remains.
 ///

@@ -145,6 +145,38 @@ fn boxes_looked_at_grow_slower_than_colliders() {
 }
 
 #[test]
+fn rays_enter_boxes_that_they_only_touch() {
+    let unit = Aabb {
+        min: Vec3::ZERO,
+        max: Vec3::ONE,
+    };
+    for (origin, direction, expected) in [
+        // Along a face, along an edge, and past them.
+        (Vec3::new(-2.0, 1.0, 0.5), Dir3::X, Some(2.0)),
+        (Vec3::new(-2.0, 1.0, 0.0), Dir3::X, Some(2.0)),
+        (Vec3::new(-2.0, 1.01, 0.5), Dir3::X, None),
+        (Vec3::new(3.0, 0.0, 0.0), Dir3::NEG_X, Some(2.0)),
+        (Vec3::new(3.0, 0.5, -0.01), Dir3::NEG_X, None),
+        // From within, and away from it.
+        (Vec3::splat(0.5), Dir3::NEG_Y, Some(0.0)),
+        (Vec3::new(-2.0, 0.5, 0.5), Dir3::NEG_X, None),
+    ] {
+        for max_distance in [10.0, f32::INFINITY] {
+            let entered = BoxEntry::new(origin, direction, max_distance).distance(&unit);
+            let is_right = match (entered, expected) {
+                (Some(entered), Some(expected)) => (expected - 1e-4..=expected).contains(&entered),
+                (entered, expected) => entered == expected,
+            };
+            assert!(is_right, "{origin} {direction:?}: {entered:?}, {expected:?}");
+        }
+        assert_eq!(
+            BoxEntry::new(origin, direction, 1.0).distance(&unit).is_some(),
+            expected == Some(0.0)
+        );
+    }
+}
+
+#[test]
 fn many_that_are_equal_are_no_trouble() {
     let mut index = ColliderIndex::default();
     let bounds = Aabb {

@@ -268,7 +268,7 @@ pub(super) struct BoxEntry {
     inverse_direction: DVec3,
     max_distance: f64,
     /// The largest absolute coordinate of the origin.
-    reach: f32,
+    size: f32,
 }
 
 impl BoxEntry {
@@ -279,13 +279,13 @@ impl BoxEntry {
             origin: origin.as_dvec3(),
             inverse_direction: direction.as_dvec3().map(inverse),
             max_distance: f64::from(max_distance),
-            reach: origin.abs().max_element(),
+            size: origin.abs().max_element(),
         }
     }
 
     /// A lower bound of the distance at which the ray enters a box; `None` if it certainly misses it.
     pub(super) fn distance(&self, bounds: &Aabb) -> Option<f32> {
-        let size = bounds.min.abs().max(bounds.max.abs()).max_element() + self.reach;
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element() + self.size;
         if !size.is_finite() {
             return Some(0.0);
         }

@@ -8,7 +8,7 @@ use bevy::transform::components::TransformTreeChanged;
 /// What changes where an entity is, or what is above it.
 type Moved = Or<(Changed<Transform>, Changed<ChildOf>, Added<GlobalTransform>)>;
 
-/// Marks every entity that has moved since the last step, and all above it.
+/// Marks every entity that has moved since this system last ran, and all above it.
 ///
 /// Rapier places hierarchies before its step, but only those that are marked. Without this, the first change of a joint, or of a body with
 /// children, would reach the step a frame late, if at all. Bevy's `mark_dirty_trees` marks the same, and takes longer: it uses several
@@ -34,7 +34,8 @@ fn mark_up(entity: Entity, trees: &mut Query<(&mut TransformTreeChanged, Option<
     let mut next = Some(entity);
     while let Some((mut tree, parent)) = next.and_then(|entity| trees.get_mut(entity).ok()) {
         // Not `is_changed`: Bevy may have marked it since the last run, under another parent.
-        if tree.last_changed() == this_run {
+        // And what was spawned right before this run has its tick.
+        if tree.last_changed() == this_run && tree.added() != this_run {
             return;
         }
         tree.set_changed();
@@ -92,6 +93,8 @@ mod tests {
         at_the_end.run(&mut world);
         world.entity_mut(leaf).insert(ChildOf(second));
         assert!(marked(&mut world).contains(&second));
+        let child = world.spawn((Transform::default(), ChildOf(second))).id();
+        assert_eq!(marked(&mut world), EntityHashSet::from_iter([second, child]));
         world.entity_mut(leaf).remove::<ChildOf>();
         assert_eq!(marked(&mut world), EntityHashSet::from_iter([leaf]));
     }

@@ -4,6 +4,7 @@
 mod aabb;
 mod box_lanes;
 mod box_map;
+mod centered_lanes;
 mod distance;
 mod extent;
 mod frame;
@@ -27,6 +28,7 @@ mod world_query;
 pub use aabb::Aabb;
 pub(crate) use box_lanes::{BoxLanes, Corners};
 pub(crate) use box_map::{BoxMap, world_map};
+pub(crate) use centered_lanes::CenteredLanes;
 pub(crate) use distance::DistanceCull;
 pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, FrameLanes, PlacedBounds, visit_frames};

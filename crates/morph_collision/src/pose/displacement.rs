@@ -122,17 +122,17 @@ fn under_joints(before: &mut Pose, now: &Pose, wanted: Range<f64>) -> Option<f64
     let tree = posed.skin_tree()?;
     let (tables, skinning) = posed.skin.as_mut()?;
     let (from, rounding) = (skinning.joints.clone(), 3_f64.sqrt() * (error + skinning.error()));
-    let boxes = skinning.joint_boxes(tree)?;
+    let parts = skinning.joint_boxes(tree)?;
     let sum = skin.max_sum().max(1e-3) * (1.0 + 1e-9);
     let enough = (wanted.start - rounding) / sum;
     let mut farthest = enough;
-    for ((joints, tables), boxes) in tables.joints.blocks().zip(boxes) {
+    for ((joints, tables), boxes) in tables.joints.tables().zip(parts.iter()) {
         let change = Change {
             weights: [posed.weights.all(), now.weights.all()],
             stretch: 1.0,
             level: posed.level,
         };
-        let moved = change.of_group(tables);
+        let moved = tables.map(|tables| change.of_group(tables));
         for (lane, &joint) in joints.iter().enumerate() {
             let (from, to) = (from.columns(joint), to.columns(joint));
             let [x, y, z, translation] = std::array::from_fn(|column| to[column] - from[column]);
@@ -140,7 +140,7 @@ fn under_joints(before: &mut Pose, now: &Pose, wanted: Range<f64>) -> Option<f64
                 linear: DMat3::from_cols(x, y, z),
                 translation,
             };
-            let by_targets = match change.length(&moved.get(lane)) {
+            let by_targets = match moved.map_or(0.0, |moved| change.length(&moved.get(lane))) {
                 0.0 => 0.0,
                 length => length * stretch(&DMat3::from_cols(to[0], to[1], to[2])),
             };

@@ -8,9 +8,9 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::outer_boxes::EntitySpace;
-use super::part_boxes::{PartBlock, PartBoxes};
+use super::part_boxes::{PartBoxes, Parts};
 use super::skin_tree::SkinTree;
-use crate::bounds::{Aabb, Extent, MapFrame, with_simd};
+use crate::bounds::{Aabb, CenteredLanes, Extent, MapFrame, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::Skin;
 
@@ -48,10 +48,10 @@ impl JointHull {
     }
 
     fn compute(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, error: f64) -> Aabb {
-        let Some(boxes) = self.boxes(tree) else {
+        let Some(parts) = self.parts(tree) else {
             return Aabb::UNBOUNDED;
         };
-        let boxes = tree.skin.joints.joints().zip(boxes);
+        let boxes = tree.skin.joints.joints().zip(parts.iter());
         let hull = with_simd!(tree.level, simd => images(simd, boxes, joints, None));
         pulled(hull, DVec3::ZERO, sums(tree), DVec3::splat(2.0 * error))
     }
@@ -64,26 +64,25 @@ impl JointHull {
         joints: &JointMatrices,
         EntitySpace { place, frame, error }: &EntitySpace<'_>,
     ) -> Aabb {
-        self.boxes(tree);
-        let Some(boxes) = self.boxes.blocks() else {
+        let Some(parts) = self.parts(tree) else {
             return Aabb::UNBOUNDED;
         };
         let sums = sums(tree);
-        let reach = joints.world_reach(self.boxes.reach()) + place.translation().abs().max_element();
+        let reach = joints.world_reach(parts.reach) + place.translation().abs().max_element();
         let Some(rounding) = place.model_error(reach * sums.end().max(1.0), *error) else {
             return Aabb::UNBOUNDED;
         };
-        let boxes = tree.skin.joints.joints().zip(boxes);
+        let boxes = tree.skin.joints.joints().zip(parts.iter());
         let hull = with_simd!(tree.level, simd => images(simd, boxes, joints, Some(frame)));
         pulled(hull, place.model_origin(), sums, rounding)
     }
 
     /// The boxes; `None` if coordinates are too large to compute with.
-    pub(super) fn boxes(&mut self, tree: SkinTree<'_>) -> Option<&[PartBlock]> {
-        let tables = &tree.skin.joints;
-        let blocks = 0..tables.joints().len();
-        self.boxes.blend(tree.level, &tables.boxes, blocks, tree.weights);
-        self.boxes.blocks()
+    pub(super) fn parts<'a>(&'a mut self, tree: SkinTree<'a>) -> Option<Parts<'a>> {
+        let of_tree = &tree.skin.joints;
+        self.boxes
+            .blend(tree.level, &of_tree.boxes, &of_tree.blocks, tree.weights);
+        self.boxes.parts(&of_tree.boxes, &of_tree.blocks)
     }
 }
 
@@ -113,7 +112,7 @@ fn pulled(hull: Extent, origin: DVec3, sums: RangeInclusive<f64>, by: DVec3) -> 
 #[inline(always)]
 fn images<'b, S: Simd>(
     simd: S,
-    blocks: impl Iterator<Item = (&'b [u16], &'b PartBlock)>,
+    blocks: impl Iterator<Item = (&'b [u16], &'b CenteredLanes)>,
     joints: &JointMatrices,
     frame: Option<&MapFrame>,
 ) -> Extent {

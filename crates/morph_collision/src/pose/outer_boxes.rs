@@ -4,7 +4,7 @@ use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use super::part_boxes::{PartBlock, PartBoxes};
+use super::part_boxes::{PartBoxes, Parts};
 use super::skin_tree::{MAX_REACH, SkinTree};
 use crate::bounds::{Aabb, BoxLanes, Corners, LANES, MapFrame, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
@@ -35,10 +35,11 @@ impl OuterBoxes {
     ) {
         let group = &mut self.groups[outer];
         let of_tree = tree.skin.outer.group(outer);
-        group.blend(tree.level, &tree.skin.outer.boxes, of_tree.blocks.clone(), tree.weights);
-        let reach = joints.world_reach(group.reach());
-        match group.blocks() {
+        let tables = &tree.skin.outer.boxes;
+        group.blend(tree.level, tables, &of_tree.blocks, tree.weights);
+        match group.parts(tables, &of_tree.blocks) {
             Some(parts) => {
+                let reach = joints.world_reach(parts.reach);
                 with_simd!(tree.level, simd => bound(simd, of_tree, parts, joints, space, reach, boxes));
             }
             None => boxes.set_all(&Aabb::UNBOUNDED),
@@ -124,7 +125,7 @@ impl Space for EntitySpace<'_> {
 fn bound<S: Simd>(
     simd: S,
     group: &OuterGroup,
-    parts: &[PartBlock],
+    parts: Parts<'_>,
     joints: &JointMatrices,
     space: &impl Space,
     reach: f64,
@@ -143,7 +144,7 @@ fn bound<S: Simd>(
         let (mut low, mut high) = (origin, origin);
         for (step, part) in joint_parts.iter().enumerate() {
             let (columns, index) = (space.joint(simd, joints, part.joint), part.index as usize);
-            let [middle, radius] = parts[index / LANES].image(simd, index, columns);
+            let [middle, radius] = parts.block(index / LANES).image(simd, index, columns);
             let (least, most) = (middle - radius, middle + radius);
             if step == 0 {
                 (low, high) = (least, most);

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use super::joint_hull::JointHull;
 use super::outer_boxes::{EntitySpace, OuterBoxes};
-use super::part_boxes::PartBlock;
+use super::part_boxes::Parts;
 use super::posed_vertices::PosedVertices;
 use super::skin_tree::{MAX_REACH, SkinTree};
 use crate::bounds::{Aabb, BoxLanes, MapFrame, WorldFromModel, with_simd};
@@ -173,8 +173,8 @@ impl Skinning {
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.
-    pub(super) fn joint_boxes(&mut self, tree: SkinTree<'_>) -> Option<&[PartBlock]> {
-        self.hull.boxes(tree)
+    pub(super) fn joint_boxes<'a>(&'a mut self, tree: SkinTree<'a>) -> Option<Parts<'a>> {
+        self.hull.parts(tree)
     }
 
     pub(super) fn bytes(&self) -> usize {

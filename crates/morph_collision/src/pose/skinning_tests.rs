@@ -6,8 +6,7 @@ use glam::{Affine3A, DVec3, EulerRot, Mat3A, Quat, Vec3, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::part_boxes::PartBlock;
-use crate::bounds::{Aabb, BoxLanes, LANES};
+use crate::bounds::{Aabb, BoxLanes, CenteredLanes, LANES};
 use crate::{
     Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, TrianglePair, WorldFromModel,
     triangles_intersect,
@@ -467,7 +466,7 @@ fn the_memory_of_a_skinned_pose_grows_with_what_was_visited() {
         before += by;
     };
     pose.broad_phase_bounds(&place);
-    grows(&pose, JOINTS.div_ceil(LANES) * size_of::<PartBlock>());
+    grows(&pose, JOINTS.div_ceil(LANES) * size_of::<CenteredLanes>());
     // The first vertex reserves room for all.
     pose.vertex(0);
     grows(&pose, 48 * vertices);

@@ -1,10 +1,13 @@
 //! One box per joint around the vertices that it moves, before joints move them. Together they bound a body before any node is blended.
 
+use glam::Vec3;
+
 use super::budget::{Budget, work_on};
 use super::extents::NodeExtents;
-use super::tables::{GroupTables, Tables};
+use super::part_tables::{PartBlocks, PartTables};
+use super::tables::GroupTables;
 use super::topology::{Leaf, Topology};
-use crate::bounds::LANES;
+use crate::bounds::{CenteredLanes, LANES};
 use crate::model::{MorphModel, Skin};
 
 /// The boxes of all joints that move a vertex of a triangle, eight side by side.
@@ -12,7 +15,8 @@ use crate::model::{MorphModel, Skin};
 pub(crate) struct JointBoxes {
     /// Joints of which targets move no vertex come first, so that few blocks have to be blended.
     joints: Vec<u16>,
-    pub(crate) boxes: Tables,
+    pub(crate) boxes: PartTables,
+    pub(crate) blocks: PartBlocks,
 }
 
 impl JointBoxes {
@@ -43,21 +47,25 @@ impl JointBoxes {
             children.push(extents);
         }
         boxes.joints.shrink_to_fit();
-        for (block, children) in children.chunks(LANES).enumerate() {
-            boxes.boxes.reserve();
-            boxes
-                .boxes
-                .fill(block, children, &NodeExtents::of_parts(children.iter()));
-        }
+        boxes.blocks = boxes.boxes.add(&children);
         boxes.boxes.finish();
         boxes
     }
 
-    /// The joints, eight at a time, with the tables that blend their boxes.
-    #[inline(always)]
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = (&[u16], GroupTables<'_>)> {
-        let tables = |(block, joints)| (joints, self.boxes.group(block));
-        self.joints.chunks(LANES).enumerate().map(tables)
+    /// The joints, eight at a time, with the tables that blend their boxes, if a target moves any of these.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = (&[u16], Option<GroupTables<'_>>)> {
+        let still = self.boxes.still(&self.blocks).iter().map(|_| None);
+        self.joints().zip(still.chain(self.boxes.moved(&self.blocks).map(Some)))
+    }
+
+    /// The joints, each with the middle of its box.
+    pub(super) fn middles(&self) -> impl Iterator<Item = (u16, Vec3)> {
+        let of_still = |boxes: &CenteredLanes| std::array::from_fn(|lane| boxes.get(lane).center.as_vec3());
+        let of_moved = |tables: GroupTables<'_>| std::array::from_fn(|lane| tables.base.get(lane).center());
+        let still = self.boxes.still(&self.blocks).iter().map(of_still);
+        let middles = still.chain(self.boxes.moved(&self.blocks).map(of_moved));
+        let all = middles.flat_map(<[Vec3; LANES]>::into_iter);
+        self.joints.iter().copied().zip(all)
     }
 
     /// The joints, eight at a time.

@@ -6,9 +6,9 @@ use std::ops::Range;
 use super::budget::{Budget, work_on};
 use super::chunks::Chunks;
 use super::extents::NodeExtents;
-use super::tables::Tables;
+use super::part_tables::{PartBlocks, PartTables};
 use super::topology::{Child, Leaf, Topology};
-use crate::bounds::{LANES, down, up};
+use crate::bounds::{down, up};
 use crate::model::{MorphModel, Skin, sum_rounding};
 
 /// The children of the groups above the chunks.
@@ -17,7 +17,7 @@ pub(crate) struct OuterTables {
     /// In preorder.
     groups: Vec<OuterGroup>,
     /// One box for each part, group by group. A block of eight has parts of one group only.
-    pub(crate) boxes: Tables,
+    pub(crate) boxes: PartTables,
 }
 
 /// A group above the chunks.
@@ -27,7 +27,7 @@ pub(crate) struct OuterGroup {
     /// Child by child. The joint that moves most of a child comes first.
     parts: Vec<MovedPart>,
     /// Its blocks of boxes.
-    pub(crate) blocks: Range<usize>,
+    pub(crate) blocks: PartBlocks,
     /// The largest number of parts of a child.
     pub(crate) most_parts: usize,
 }
@@ -100,7 +100,7 @@ impl OuterTables {
     }
 
     /// Stores the boxes of the parts of a group. Returns their blocks.
-    fn add_boxes(&mut self, parts: &mut [MovedPart], extents: Vec<NodeExtents>) -> Range<usize> {
+    fn add_boxes(&mut self, parts: &mut [MovedPart], extents: Vec<NodeExtents>) -> PartBlocks {
         let in_order = parts.iter_mut().zip(extents);
         let (still, moved): (Vec<_>, Vec<_>) = in_order.partition(|(_, extents)| extents.targets.is_empty());
         let mut extents = Vec::with_capacity(still.len() + moved.len());
@@ -108,14 +108,7 @@ impl OuterTables {
             part.index = index;
             extents.push(of_part);
         }
-        let first = self.boxes.group_count();
-        for extents in extents.chunks(LANES) {
-            let block = self.boxes.group_count();
-            self.boxes.reserve();
-            let whole = NodeExtents::of_parts(extents.iter());
-            self.boxes.fill(block, extents, &whole);
-        }
-        first..self.boxes.group_count()
+        self.boxes.add(&extents)
     }
 
     pub(crate) fn group_count(&self) -> usize {

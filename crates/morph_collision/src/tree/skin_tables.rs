@@ -43,9 +43,7 @@ fn middle(model: &MorphModel, skin: &Skin, joints: &JointBoxes) -> Option<(u16, 
         sums[usize::from(influence.joint)] += f64::from(influence.weight);
     }
     let sum = |joint: u16| sums[usize::from(joint)];
-    let with_middles = joints.blocks().flat_map(|(joints, tables)| {
-        let middle = |(lane, joint): (usize, &u16)| (*joint, tables.base.get(lane).center());
-        joints.iter().enumerate().map(middle)
-    });
-    with_middles.max_by(|(a, _), (b, _)| sum(*a).total_cmp(&sum(*b)).then(b.cmp(a)))
+    joints
+        .middles()
+        .max_by(|(a, _), (b, _)| sum(*a).total_cmp(&sum(*b)).then(b.cmp(a)))
 }

@@ -17,6 +17,7 @@
 //! - `chunks` cuts the tree into subtrees that are posed as a whole, with boxes fitted to their vertices.
 //! - `outer_tables` bounds the nodes above them by the vertices that each joint moves.
 //! - `joint_boxes` bounds the vertices that each joint moves in the whole mesh.
+//! - `part_tables` has the boxes of both: finished where no target moves them, and otherwise the numbers that a pose blends.
 
 mod adjacency;
 mod budget;

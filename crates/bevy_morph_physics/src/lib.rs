@@ -11,7 +11,8 @@
 //! 1. Frames are recorded in a [`DrawnHistory`](time::DrawnHistory): the weights, joints and transforms with which a surface is drawn. A step's
 //!    [`StepTime`](time::StepTime) says which of them it uses, and how much of a change is motion.
 //! 2. The engine's crate predicts where a surface will be at the end of the step ([`Prediction`](moving::Prediction)), and
-//!    [`MovingSurface::advance`](moving::MovingSurface::advance) poses it there. It remembers the moments before, so that each of its points has a velocity.
+//!    [`MovingSurface::advance`](moving::MovingSurface::advance) moves it there. It remembers the moments before, so that each of its points has a velocity.
+//!    While nothing is near, it only finds a box: shapes are [posed](posing::LazyPose) when somebody looks at them.
 //! 3. [`NearbyParts`](push::NearbyParts) finds the triangles near bodies that may move. For one step, they become kinematic bodies that move
 //!    like the surface. With a few triangles, an engine has contacts that are as good as those of any body.
 //! 4. [`Expelling`](push::Expelling) finds bodies inside of solid surfaces, which have to leave.
@@ -22,7 +23,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! engine > push > moving > time, shape > math > components
+//! engine > push > moving > time, shape > posing > math > components
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -35,6 +36,7 @@ pub mod components;
 pub mod engine;
 pub mod math;
 pub mod moving;
+pub mod posing;
 pub mod push;
 pub mod shape;
 pub mod time;

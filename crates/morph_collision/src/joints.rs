@@ -176,7 +176,8 @@ impl JointMatrices {
     }
 
     /// A bound on the world coordinates to which any joint takes points with coordinates up to `reach`.
-    pub(crate) fn world_reach(&self, reach: f64) -> f64 {
+    #[must_use]
+    pub fn world_reach(&self, reach: f64) -> f64 {
         self.linear_reach * reach + self.translation_reach
     }
 }

@@ -3,9 +3,9 @@
 use avian3d::prelude::RigidBody;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_morph_physics::math::{is_rigid, joints_in, rigid_part};
+use bevy_morph_physics::math::{affine_of, is_rigid, rigid_part};
 use bevy_morph_physics::moving::Prediction;
-use bevy_morph_physics::shape::is_mirrored;
+use bevy_morph_physics::posing::SurfaceJoints;
 use morph_collision::{InputError, JointMatrices, WorldFromModel};
 use parry3d::math::Pose as Isometry;
 
@@ -14,9 +14,9 @@ use crate::isometry::isometry;
 
 /// The joints of a skinned mesh.
 pub(super) enum Joints<'a> {
-    InWorld(&'a [Affine3A]),
-    /// In the collider's space.
-    InCollider(JointMatrices),
+    /// As drawn, in world space, and the middle of the mesh in its bind pose.
+    Drawn(&'a JointMatrices, Vec3),
+    Between(SurfaceJoints),
 }
 
 /// What is known of a mesh before a step.
@@ -43,7 +43,6 @@ pub(super) fn predict(start: Start, dt: f32) -> Result<Prediction, InputError> {
         is_skinned,
         joints,
     } = start;
-    let affine_of = |isometry: &Isometry| Affine3A::from_rotation_translation(isometry.rotation, isometry.translation);
     // Avian's collider has a position and a rotation. What remains is scale and shear, which does not apply to joints.
     let now = body.map(|body| isometry(body.position, body.rotation) * in_body);
     let now = now.or(collider).filter(is_rigid).unwrap_or_else(|| rigid_part(entity));
@@ -55,14 +54,9 @@ pub(super) fn predict(start: Start, dt: f32) -> Result<Prediction, InputError> {
         rigid.inverse() * affine
     };
     let joints = joints.map(|joints| match joints {
-        Joints::InWorld(joints) => JointMatrices::from_matrices(joints_in(&now, joints)),
-        Joints::InCollider(joints) => Ok(joints),
+        Joints::Drawn(joints, middle) => SurfaceJoints::drawn(joints.clone(), now, middle),
+        Joints::Between(joints) => Ok(joints),
     });
-    let joints = joints.transpose()?;
-    let mirrored = match &joints {
-        Some(joints) => is_mirrored(joints.iter()),
-        None => is_mirrored([collider_from_model].into_iter()),
-    };
     let world_from_model = match body {
         // Exactly the entity's transform, because that is where it is drawn.
         None => affine,
@@ -73,8 +67,7 @@ pub(super) fn predict(start: Start, dt: f32) -> Result<Prediction, InputError> {
     Ok(Prediction {
         world_from_model: WorldFromModel::new(world_from_model)?,
         collider_from_model: WorldFromModel::new(collider_from_model)?,
-        joints,
-        mirrored,
+        joints: joints.transpose()?,
         carried: false,
     })
 }

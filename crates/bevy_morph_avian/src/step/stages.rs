@@ -38,12 +38,13 @@ pub(super) fn advance(
     moving.drawn.on_body = body.is_some();
     let live = sources.live(moving, surface.drawn_with.transform, skin);
     moving.drawn.at_step(&live);
+    let middle = moving.drawn.middle();
     let between_frames = time.span.and_then(|span| moving.drawn.joints.at(span.end));
     let joints = match (live.joints, between_frames) {
-        (Ok(Some(_)), Some(sample)) => Some(Joints::InCollider(sample.joints)),
+        (Ok(Some(_)), Some(sample)) => Some(Joints::Between(sample)),
         _ => skin
             .and_then(|skin| sources.world_from_joints(skin))
-            .map(Joints::InWorld),
+            .map(|joints| Joints::Drawn(joints, middle)),
     };
     let collider = surface.position.zip(surface.rotation);
     let start = Start {

@@ -115,10 +115,7 @@ impl DrawnMeshes<'_, '_> {
             count => drawn_weights(count, weights, &self.shared, &mut self.rest).ok()?,
         };
         let joints = match tree.model().joint_count() {
-            Some(_) => {
-                let skeleton = self.skeletons.of(skin?);
-                Some(skeleton.matrices().filter(|_| skeleton.problem().is_none())?)
-            }
+            Some(_) => Some(self.skeletons.of(skin?).current_matrices()?),
             None => None,
         };
         let drawn = joints.map(|joints| Drawn {

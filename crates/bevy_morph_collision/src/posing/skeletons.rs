@@ -92,8 +92,8 @@ impl Skeleton {
 
     /// The current matrices; `None` while some are invalid.
     #[must_use]
-    pub fn world_from_mesh(&self) -> Option<&[Affine3A]> {
-        self.problem.is_none().then_some(&self.world_from_mesh)
+    pub fn current_matrices(&self) -> Option<&JointMatrices> {
+        self.matrices.as_ref().filter(|_| self.problem.is_none())
     }
 
     /// A number that only these matrices of this skeleton have.
@@ -288,7 +288,10 @@ mod tests {
         skeletons.notice();
         let mut last = None;
         for skin in &skins {
-            last = skeletons.of(skin).world_from_mesh().map(|matrices| matrices[0]);
+            last = skeletons
+                .of(skin)
+                .current_matrices()
+                .and_then(|matrices| matrices.iter().next());
         }
         last
     }

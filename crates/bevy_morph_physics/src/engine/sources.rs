@@ -5,6 +5,7 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::physics_api::CurrentSkeletons;
+use morph_collision::JointMatrices;
 
 use crate::moving::MovingSurface;
 use crate::time::{Live, SurfaceComponentsItem, WeightSource};
@@ -39,8 +40,8 @@ impl Sources<'_, '_> {
     }
 
     /// The joints of a skinned mesh, in world space, while all of them are valid.
-    pub fn world_from_joints(&mut self, skin: &SkinnedMesh) -> Option<&[bevy::math::Affine3A]> {
-        self.skeletons.of(skin).world_from_mesh()
+    pub fn world_from_joints(&mut self, skin: &SkinnedMesh) -> Option<&JointMatrices> {
+        self.skeletons.of(skin).current_matrices()
     }
 
     /// Records what a frame is drawn with, at a time of the clock of physics.

@@ -1,5 +1,6 @@
 //! Rotations with translations.
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use parry3d::math::Pose as Isometry;
 
@@ -12,6 +13,17 @@ pub fn rigid_part(entity: &GlobalTransform) -> Isometry {
     } else {
         Isometry::from_parts(translation, Quat::IDENTITY)
     }
+}
+
+/// A rotation with a translation as an affine map.
+pub fn affine_of(isometry: &Isometry) -> Affine3A {
+    Affine3A::from_rotation_translation(isometry.rotation, isometry.translation)
+}
+
+/// Each entry of an affine map, interpolated linearly to that of another.
+pub fn affine_between(from: &Affine3A, to: &Affine3A, share: f32) -> Affine3A {
+    let [a, b] = [from, to].map(Affine3A::to_cols_array);
+    Affine3A::from_cols_array(&std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
 }
 
 /// Whether an isometry is finite and rotates without scaling.

@@ -6,8 +6,8 @@ mod sorted_boxes;
 mod velocities;
 mod world_space;
 
-pub use isometry::{is_rigid, rigid_part};
+pub use isometry::{affine_between, affine_of, is_rigid, rigid_part};
 pub use rigid_motion::RigidMotion;
 pub use sorted_boxes::SortedBoxes;
 pub use velocities::{are_continuous, between, continuous, fastest, largest};
-pub use world_space::{corners, into_query, joints_in, region, world_bounds};
+pub use world_space::{collider_from_world, corners, into_query, joint_in, mapped, region};

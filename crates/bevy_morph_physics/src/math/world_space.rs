@@ -9,13 +9,11 @@ use morph_collision::{Aabb, ConvexRegion, InputError, Pose, WorldFromModel};
 use parry3d::bounding_volume::Aabb as ParryAabb;
 use parry3d::math::Pose as Isometry;
 
-/// A world-space box around a pose. Blends no node of a skinned mesh.
-pub fn world_bounds(pose: &mut Pose, world_from_model: &WorldFromModel) -> Aabb {
-    if pose.joints().is_none() {
-        return pose.world_bounds(world_from_model);
-    }
-    let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
-    let corners = corners(&bounds).map(|corner| world_from_model.transform_point(corner));
+use super::isometry::affine_of;
+
+/// A world-space box around a box that an affine map takes to the world.
+pub fn mapped(bounds: &Aabb, world_from_model: &WorldFromModel) -> Aabb {
+    let corners = corners(bounds).map(|corner| world_from_model.transform_point(corner));
     let min = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let max = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     Aabb {
@@ -68,23 +66,22 @@ pub fn into_query(point: DVec3, pose: &Pose, world_from_model: &WorldFromModel) 
     DVec3::new(x.dot(away), y.dot(away), z.dot(away))
 }
 
-/// Converts joints to the space of a collider at `world_from_model`.
-pub fn joints_in(collider: &Isometry, world_from_mesh: &[Affine3A]) -> impl ExactSizeIterator<Item = Affine3A> {
-    let precise = |affine: &Affine3A| {
-        let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());
-        DAffine3 {
-            matrix3: DMat3::from_cols(x, y, z),
-            translation: Vec3::from(affine.translation).as_dvec3(),
-        }
-    };
-    let to_collider = precise(&Affine3A::from_rotation_translation(
-        collider.rotation,
-        collider.translation,
-    ))
-    .inverse();
-    world_from_mesh.iter().map(move |joint| {
-        let DAffine3 { matrix3, translation } = to_collider * precise(joint);
-        let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(DVec3::as_vec3);
-        Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), translation.as_vec3())
-    })
+/// Converts from world space to that of a collider.
+pub fn collider_from_world(collider: &Isometry) -> DAffine3 {
+    precise(&affine_of(collider)).inverse()
+}
+
+/// Converts a joint's matrix to the space of a collider.
+pub fn joint_in(collider_from_world: &DAffine3, world_from_mesh: &Affine3A) -> Affine3A {
+    let DAffine3 { matrix3, translation } = *collider_from_world * precise(world_from_mesh);
+    let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(DVec3::as_vec3);
+    Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), translation.as_vec3())
+}
+
+fn precise(affine: &Affine3A) -> DAffine3 {
+    let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());
+    DAffine3 {
+        matrix3: DMat3::from_cols(x, y, z),
+        translation: Vec3::from(affine.translation).as_dvec3(),
+    }
 }

@@ -37,12 +37,7 @@ impl MovingSurface {
         let frame = &mut self.moments.earlier;
         // If a body carries it, only what it is drawn with counts.
         frame.world_from_model = self.moments.end;
-        let posed = self.surface.lock();
-        let _fits = frame.pose.set_weights(posed.pose.weights());
-        if let Some(joints) = posed.pose.joints() {
-            let _fits = frame.pose.set_joints(joints);
-        }
-        drop(posed);
+        frame.pose.take(&self.surface.lock().pose);
         let (mut last_velocities, mut last): (Option<Vec<DVec3>>, Option<(f64, Vec<DVec3>)>) = (None, None);
         for time in self.drawn.frames_around(span) {
             frame.set_from_history(&self.drawn, time);
@@ -73,7 +68,7 @@ impl MovingSurface {
         let mut posed = self.surface.lock();
         let mut at = |world_from_model: &WorldFromModel| {
             let mut points = Vec::new();
-            posed_vertices(&mut posed.pose, world_from_model, vertices, &mut points);
+            posed_vertices(posed.pose.get(), world_from_model, vertices, &mut points);
             points
         };
         let velocities = |from: &[DVec3], to: &[DVec3], dt: f64| {

@@ -7,13 +7,14 @@ use bevy::prelude::*;
 use morph_collision::{MorphBvh, Pose, WorldFromModel};
 
 use crate::math::{corners, largest};
+use crate::posing::LazyPose;
 use crate::shape::Posed;
 use crate::time::DrawnHistory;
 
 /// A mesh at one moment.
 pub struct Moment {
     /// The shape.
-    pub pose: Pose,
+    pub pose: LazyPose,
     /// Where it is.
     pub world_from_model: WorldFromModel,
 }
@@ -24,8 +25,8 @@ impl Moment {
         if let Some(weights) = drawn.weights.at(time) {
             let _fits = self.pose.set_weights(&weights);
         }
-        if let Some(sample) = drawn.joints.at(time) {
-            let _fits = self.pose.set_joints(&sample.joints);
+        if let Some(joints) = drawn.joints.at(time) {
+            self.pose.set_joints(&joints);
         }
         let transform = drawn.transform.at(time).filter(|_| drawn.stands_alone);
         if let Some(Ok(world_from_model)) = transform.map(WorldFromModel::new) {
@@ -35,7 +36,7 @@ impl Moment {
 
     /// The positions of vertices in world space.
     pub fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
-        posed_vertices(&mut self.pose, &self.world_from_model, vertices, into);
+        posed_vertices(self.pose.get(), &self.world_from_model, vertices, into);
     }
 }
 
@@ -67,7 +68,7 @@ impl Moments {
     }
 
     /// The pose to be set to the next moment: the oldest one, which nobody needs any more.
-    pub(super) fn next(&mut self) -> &mut Pose {
+    pub(super) fn next(&mut self) -> &mut LazyPose {
         &mut self.earlier.pose
     }
 
@@ -80,10 +81,10 @@ impl Moments {
 }
 
 /// A pose of a tree with weights that come from a pose of the same tree.
-pub(super) fn pose(bvh: &Arc<MorphBvh>, weights: &[f32]) -> Pose {
+pub(super) fn pose(bvh: &Arc<MorphBvh>, weights: &[f32]) -> LazyPose {
     let mut pose = Pose::new(bvh.clone());
     let _fits = pose.set_weights(weights);
-    pose
+    LazyPose::new(pose)
 }
 
 /// Replaces a list by the positions of vertices in world space.
@@ -100,12 +101,12 @@ pub(super) fn posed_vertices(
 
 /// The maximum distance of any vertex from its earlier position, in world units.
 pub(super) fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromModel) -> f64 {
-    let reshaped = stretch(world_from_model) * pose.displacement_from_pose(&mut before.pose);
+    let reshaped = stretch(world_from_model) * pose.displacement_from_pose(before.pose.get());
     if before.world_from_model == *world_from_model {
         return reshaped;
     }
     // In a box, a corner moves farthest under an affine map.
-    let bounds = before.pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
+    let bounds = before.pose.get().broad_phase_bounds(&WorldFromModel::IDENTITY);
     let ways = corners(&bounds).map(|corner| {
         let from = before.world_from_model.transform_point(corner);
         from.distance(world_from_model.transform_point(corner))

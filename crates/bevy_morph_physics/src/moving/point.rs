@@ -77,8 +77,9 @@ impl MovingSurface {
     /// The point of the surface that is closest to a point in world space.
     pub fn closest(&mut self, point: Vec3, query: &mut ShapeQuery) -> Option<SurfacePoint> {
         let mut posed = self.surface.lock();
-        let point = into_query(point.as_dvec3(), &posed.pose, &self.moments.end);
-        let body = Body::new(&mut posed.pose, &self.moments.end);
+        let pose = posed.pose.get();
+        let point = into_query(point.as_dvec3(), pose, &self.moments.end);
+        let body = Body::new(pose, &self.moments.end);
         let closest = query.closest_point(body, point, f64::INFINITY).ok()??;
         Some(closest.into())
     }

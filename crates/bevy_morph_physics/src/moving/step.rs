@@ -6,7 +6,7 @@ use parry3d::bounding_volume::Aabb as ParryAabb;
 
 use super::moment::{Moment, Moments, displacement, posed_vertices};
 use super::surface::MovingSurface;
-use crate::math::{region, world_bounds};
+use crate::math::region;
 
 impl MovingSurface {
     /// Whether the coming step uses values between frames.
@@ -19,9 +19,9 @@ impl MovingSurface {
     pub fn at_start<T>(&mut self, query: impl FnOnce(&mut Pose, &WorldFromModel) -> T) -> T {
         let Moments { end, start, .. } = &mut self.moments;
         if self.moves {
-            query(&mut start.pose, &start.world_from_model)
+            query(start.pose.get(), &start.world_from_model)
         } else {
-            query(&mut self.surface.lock().pose, end)
+            query(self.surface.lock().pose.get(), end)
         }
     }
 
@@ -35,7 +35,7 @@ impl MovingSurface {
             ..
         } = self;
         *known.get_or_insert_with(|| {
-            let displacement = displacement(start, &self.surface.lock().pose, end);
+            let displacement = displacement(start, self.surface.lock().pose.get(), end);
             self.travelled += displacement;
             displacement
         })
@@ -55,25 +55,25 @@ impl MovingSurface {
 
     /// A box around the surface during the coming step.
     pub fn bounds(&mut self) -> Aabb {
-        let now = world_bounds(&mut self.surface.lock().pose, &self.moments.end);
+        let now = self.surface.lock().pose.world_bounds(&self.moments.end);
         if !self.moves {
             return now;
         }
         let Moment { pose, world_from_model } = &mut self.moments.start;
-        now.union(&world_bounds(pose, world_from_model))
+        now.union(&pose.world_bounds(world_from_model))
     }
 
     /// Appends the triangles that intersect a world-space box at the end of the coming step.
     pub fn triangles_in(&mut self, bounds: &ParryAabb, query: &mut ShapeQuery, into: &mut Vec<u32>) {
         let mut posed = self.surface.lock();
-        let end = &self.moments.end;
-        if let Ok(region) = region(bounds, &posed.pose, end) {
-            query.all_in_region(Body::new(&mut posed.pose, end), &region, into);
+        let (pose, end) = (posed.pose.get(), &self.moments.end);
+        if let Ok(region) = region(bounds, pose, end) {
+            query.all_in_region(Body::new(pose, end), &region, into);
         }
     }
 
     /// The positions of vertices in world space at the end of the coming step.
     pub fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
-        posed_vertices(&mut self.surface.lock().pose, &self.moments.end, vertices, into);
+        posed_vertices(self.surface.lock().pose.get(), &self.moments.end, vertices, into);
     }
 }

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_morph_collision::physics_api::WeightsProblem;
-use morph_collision::{Body, JointMatrices, MorphBvh, WorldFromModel};
+use morph_collision::{Body, MorphBvh, WorldFromModel};
 
 use super::moment::{Moments, coordinates, displacement, pose};
 use super::prediction::Prediction;
+use crate::posing::SurfaceJoints;
 use crate::shape::{MeshLayout, MorphSurface, Posed};
 use crate::time::{DrawnHistory, Live, Span, StepTime, WeightSource};
 
@@ -69,7 +70,7 @@ impl Spans {
 impl MovingSurface {
     /// Starts at rest. The first step determines where it is.
     pub fn new(entity: Entity, bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
-        let middle = pose(bvh, weights).bounds().center();
+        let middle = pose(bvh, weights).get().bounds().center();
         Self {
             surface: MorphSurface::new(entity, pose(bvh, weights), WorldFromModel::IDENTITY, layout.clone()),
             moments: Moments::new(bvh, weights),
@@ -116,7 +117,7 @@ impl MovingSurface {
 
     /// Whether joints move the mesh.
     pub fn is_skinned(&self) -> bool {
-        self.moments.start.pose.joints().is_some()
+        self.moments.start.pose.is_skinned()
     }
 
     /// Whether it is nowhere yet, because its joints are nowhere.
@@ -176,7 +177,6 @@ impl MovingSurface {
             world_from_model,
             collider_from_model,
             joints,
-            mirrored,
             carried,
         } = prediction;
         // If a body has just become dynamic, or stopped being dynamic, that has not moved the surface.
@@ -187,9 +187,12 @@ impl MovingSurface {
         let surface = self.surface.clone();
         let mut posed = surface.lock();
         let taken = self.take_weights(weights, &posed);
-        let mirrored = self.take_joints(joints, mirrored, &posed);
+        self.take_joints(joints, &posed);
         let same_shape = self.keeps_shape(&mut posed, &world_from_model, first);
-        if first && self.moments.next().joints().is_some() {
+        if !same_shape && self.may_wait() {
+            self.moments.next().find_bounds();
+        }
+        if first && self.is_skinned() {
             // Until now it was in its bind pose.
             posed.reset_mass();
         }
@@ -204,7 +207,7 @@ impl MovingSurface {
             self.reshaped |= !same_shape;
             self.moments.advance(&mut posed, world_from_model);
             if self.moves {
-                self.judge(&posed, &spans, teleports);
+                self.judge(&mut posed, &spans, teleports);
             }
         }
         if carried {
@@ -213,7 +216,7 @@ impl MovingSurface {
         if let Some(span) = time.span {
             self.drawn.forget_before(span.begin);
         }
-        self.reshaped |= posed.set_transform(collider_from_model, mirrored);
+        self.reshaped |= posed.set_transform(collider_from_model);
         drop(posed);
         self.complain(taken)
     }
@@ -253,40 +256,48 @@ impl MovingSurface {
         taken.map(|_| ())
     }
 
-    /// Gives the next pose its joints: the predicted ones, or else the last valid ones. Returns whether they mirror it.
-    fn take_joints(&mut self, joints: Option<JointMatrices>, mirrored: bool, posed: &Posed) -> bool {
+    /// Gives the next pose its joints: the predicted ones, or else the last valid ones.
+    fn take_joints(&mut self, joints: Option<SurfaceJoints>, posed: &Posed) {
         let next = self.moments.next();
         // The collider also reports invalid joints.
-        let joints = joints.filter(|joints| next.set_joints(joints).is_ok());
-        let mirrored = if joints.is_none() && next.joints().is_some() {
-            posed.mirrored
-        } else {
-            mirrored
-        };
-        if let (None, Some(last)) = (joints, posed.pose.joints()) {
-            let _fits = next.set_joints(last);
+        let fit = joints.is_some_and(|joints| next.set_joints(&joints));
+        if let (false, Some(last)) = (fit, posed.pose.joints()) {
+            next.set_joints(last);
         }
-        mirrored
     }
 
     /// Whether the next pose is the current one.
     fn keeps_shape(&mut self, posed: &mut Posed, world_from_model: &WorldFromModel, first: bool) -> bool {
+        let may_wait = self.may_wait();
         let next = self.moments.next();
         if next.weights() != posed.pose.weights() {
             return false;
         }
-        if next.joints() == posed.pose.joints() {
+        let same_joints = match (next.joints(), posed.pose.joints()) {
+            (Some(next), Some(now)) => next.is_drawn_as(now),
+            (next, now) => next.is_none() && now.is_none(),
+        };
+        if same_joints {
             return true;
         }
+        if first || (may_wait && posed.pose.is_behind()) {
+            // Nobody has looked at the current shape, so nobody keeps anything for it.
+            return false;
+        }
         // Rounding errors from removing the collider's transform are not a change.
-        let size = coordinates(&mut posed.pose, world_from_model);
+        let size = coordinates(posed.pose.get(), world_from_model);
         let place = WorldFromModel::IDENTITY;
-        let before = Body::new(&mut posed.pose, &place);
-        !first && size.is_finite() && Body::new(next, &place).moved_at_most(1e-6 * size, before)
+        let before = Body::new(posed.pose.get(), &place);
+        size.is_finite() && Body::new(next.get(), &place).moved_at_most(1e-6 * size, before)
+    }
+
+    /// Whether its shape may wait until somebody looks at it. A dynamic body could not sleep if its surface seemed to change.
+    fn may_wait(&self) -> bool {
+        !self.on_dynamic && !self.carried
     }
 
     /// Finds out whether it jumps. How far it moves is computed when something near it needs that.
-    fn judge(&mut self, posed: &Posed, spans: &Spans, teleports: bool) {
+    fn judge(&mut self, posed: &mut Posed, spans: &Spans, teleports: bool) {
         let Moments { end, start, .. } = &mut self.moments;
         let span = spans.coming;
         self.jumps = teleports
@@ -298,10 +309,10 @@ impl MovingSurface {
         if let Some(span) = span.filter(|_| self.drawn.is_interpolated()) {
             self.moved_for = None;
             if spans.skip_changes() {
-                let jump = displacement(start, &posed.pose, end);
+                let jump = displacement(start, posed.pose.get(), end);
                 // Changes since the last step, before this span, are not motion.
                 start.set_from_history(&self.drawn, span.begin);
-                let displacement = jump.max(displacement(start, &posed.pose, end));
+                let displacement = jump.max(displacement(start, posed.pose.get(), end));
                 self.displacement = Some(displacement);
                 self.travelled += displacement;
             }

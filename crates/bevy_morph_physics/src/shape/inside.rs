@@ -1,6 +1,5 @@
 //! The inside of closed surfaces: which side of their triangles is outside, and what is inside.
 
-use bevy::math::Affine3A;
 use morph_collision::Body;
 
 use parry3d::math::Pose as Isometry;
@@ -41,10 +40,14 @@ impl Posed {
     }
 
     fn find_outward(&mut self) -> Real {
-        let mirror = if self.mirrored { -1.0 } else { 1.0 };
+        let is_mirrored = match self.pose.joints() {
+            Some(joints) => joints.is_mirrored(),
+            None => self.mirrored,
+        };
+        let mirror = if is_mirrored { -1.0 } else { 1.0 };
         if self.winding.is_none() && !self.is_flat {
-            let volume = volume(&mut self.pose);
-            let is_mirrored = self.mirrored && self.pose.joints().is_some();
+            let volume = volume(self.pose.get());
+            let is_mirrored = is_mirrored && self.pose.is_skinned();
             // A mesh that encloses no volume in this pose may do so in another.
             self.winding = volume.map(|volume| if (volume < 0.0) == is_mirrored { 1.0 } else { -1.0 });
             self.is_flat = self.winding.is_none();
@@ -57,7 +60,7 @@ impl Posed {
         if !self.solid || !self.bounds().contains_local_point(point) {
             return false;
         }
-        let body = Body::new(&mut self.pose, &self.collider_from_model);
+        let body = Body::new(self.pose.get(), &self.collider_from_model);
         self.queries.ray.encloses(body, point.as_dvec3()).unwrap_or(false)
     }
 }
@@ -100,7 +103,7 @@ impl Probe {
         };
         if let Some(surface) = shape.as_shape::<MorphSurface>() {
             let mut posed = surface.lock();
-            let corner = posed.pose.triangle(0)?[0];
+            let corner = posed.pose.get().triangle(0)?[0];
             return Some(on_skin(posed.collider_from_model.transform_point(corner).as_vec3()));
         }
         let middle = |shape: &dyn Shape| Self {
@@ -118,12 +121,4 @@ impl Probe {
         });
         probe
     }
-}
-
-/// Whether a mesh is mirrored by its transform, or by the majority of its joints.
-pub fn is_mirrored(transforms: impl Iterator<Item = Affine3A>) -> bool {
-    let sum: i32 = transforms
-        .map(|transform| if transform.matrix3.determinant() < 0.0 { -1 } else { 1 })
-        .sum();
-    sum < 0
 }

@@ -10,7 +10,7 @@ mod range;
 mod surface;
 mod triangles;
 
-pub use inside::{Probe, is_mirrored, not_closed, one_encloses_other};
+pub use inside::{Probe, not_closed, one_encloses_other};
 pub use layout::{MeshLayout, MeshLayouts, NONE, add_to_trees};
 pub use mass::MassBudget;
 pub use pair::{Range, check};

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bevy::math::Vec3;
-use morph_collision::{Body, ConvexRegion, Facing, InputError, Pose, RayQuery, ShapeQuery, WorldFromModel};
+use morph_collision::{Body, ConvexRegion, Facing, InputError, RayQuery, ShapeQuery, WorldFromModel};
 use parry3d::bounding_volume::Aabb;
 use parry3d::mass_properties::MassProperties;
-use parry3d::math::{Real, Vector};
+use parry3d::math::{Pose as Isometry, Real, Vector};
 use parry3d::query::{PointProjection, Ray, RayIntersection};
 use parry3d::shape::{FeatureId, Triangle};
 
@@ -15,12 +15,13 @@ use super::mass::{Mass, MassBudget, MassComputation};
 use super::range::box_in_range;
 use super::triangles::{Triangles, pseudo_normals};
 use crate::math::largest;
+use crate::posing::LazyPose;
 
 /// The current state of a surface.
 pub struct Posed {
     pub(crate) layout: Arc<MeshLayout>,
     /// For a skinned mesh, the pose is in the collider's space.
-    pub pose: Pose,
+    pub pose: LazyPose,
     /// Maps the mesh to the collider, which has its own position and rotation. This leaves scale and shear.
     pub collider_from_model: WorldFromModel,
     pub(crate) queries: Queries,
@@ -32,7 +33,7 @@ pub struct Posed {
     pub(crate) winding: Option<Real>,
     /// Whether `winding` is unknown because the pose encloses no volume.
     pub(crate) is_flat: bool,
-    /// Whether its transform or its joints mirror it.
+    /// Whether its transform mirrors it. Joints are asked when that matters.
     pub(crate) mirrored: bool,
     mass: Mass,
     /// Whether a dynamic body carries it, or has, which depends on its mass.
@@ -49,7 +50,7 @@ pub(crate) struct Queries {
 }
 
 impl Posed {
-    pub(super) fn new(pose: Pose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
+    pub(super) fn new(pose: LazyPose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
         Self {
             winding: layout.winding,
             layout,
@@ -67,7 +68,7 @@ impl Posed {
     }
 
     /// Sets the transform from mesh to collider. Returns whether it has changed.
-    pub fn set_transform(&mut self, collider_from_model: WorldFromModel, mirrored: bool) -> bool {
+    pub fn set_transform(&mut self, collider_from_model: WorldFromModel) -> bool {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let [old, new] = [&self.collider_from_model, &collider_from_model]
             .map(|transform| corners.map(|p| transform.transform_point(p)));
@@ -79,7 +80,9 @@ impl Posed {
             // It may be larger now.
             self.reset_mass();
         }
-        self.mirrored = mirrored;
+        let [origin, axes @ ..] = new;
+        let [x, y, z] = axes.map(|axis| axis - origin);
+        self.mirrored = x.cross(y).dot(z) < 0.0;
         changed
     }
 
@@ -103,7 +106,7 @@ impl Posed {
             max: region.maxs,
         };
         if let Ok(region) = ConvexRegion::from_aabb(&bounds) {
-            let body = Body::new(pose, collider_from_model);
+            let body = Body::new(pose.get(), collider_from_model);
             queries.shape.all_in_region(body, &region, &mut queries.found);
         }
         self.gather(for_contacts)
@@ -128,7 +131,7 @@ impl Posed {
         } = self;
         let mut mass = self.mass.request(*is_mass_needed, || {
             if is_in_range {
-                Mass::InProgress(Box::new(MassComputation::new(pose, collider_from_model)))
+                Mass::InProgress(Box::new(MassComputation::new(pose.get(), collider_from_model)))
             } else {
                 Mass::Known(MassProperties::default())
             }
@@ -165,6 +168,7 @@ impl Posed {
             outward,
             ..
         } = self;
+        let pose = pose.get();
         let to_collider = |corner| collider_from_model.transform_point(corner).as_vec3();
         let (mut numbers, mut corners, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         for &number in &queries.found {
@@ -186,10 +190,13 @@ impl Posed {
 
     /// A box around it, in the collider's space.
     pub fn bounds(&mut self) -> Aabb {
-        let bounds = self.pose.broad_phase_bounds(&self.collider_from_model);
-        // Rapier would quarantine a box that is not finite, together with its collider.
-        let finite = |v: Vec3| v.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
-        Aabb::new(finite(bounds.min), finite(bounds.max))
+        finite(&self.pose.local_bounds(&self.collider_from_model))
+    }
+
+    /// A box around it while its collider is at `place`.
+    pub(super) fn bounds_at(&mut self, place: &Isometry) -> Aabb {
+        let bounds = self.pose.bounds_at(place);
+        bounds.map_or_else(|| self.bounds().transform_by(place), |bounds| finite(&bounds))
     }
 
     pub(super) fn ray(
@@ -204,7 +211,7 @@ impl Posed {
         }
         let (origin, direction) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
         let core_ray = morph_collision::Ray::new(origin, direction, f64::from(max_time_of_impact))?;
-        let body = Body::new(&mut self.pose, &self.collider_from_model);
+        let body = Body::new(self.pose.get(), &self.collider_from_model);
         let hit = self.queries.ray.closest(body, &core_ray);
         Ok(hit.map(|hit| {
             // Like Parry's triangles: the normal of the side that was hit, and which side it was.
@@ -223,9 +230,15 @@ impl Posed {
         if is_inside && solid {
             return Some(PointProjection::new(true, point));
         }
-        let body = Body::new(&mut self.pose, &self.collider_from_model);
+        let body = Body::new(self.pose.get(), &self.collider_from_model);
         let closest = self.queries.shape.closest_point(body, point.as_dvec3(), f64::INFINITY);
         let closest = closest.ok()??;
         Some(PointProjection::new(is_inside, closest.point.as_vec3()).with_subshape(closest.triangle))
     }
+}
+
+/// A finite box. Rapier would quarantine any other, together with its collider.
+fn finite(bounds: &Aabb) -> Aabb {
+    let finite = |v: Vec3| v.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
+    Aabb::new(finite(bounds.mins), finite(bounds.maxs))
 }

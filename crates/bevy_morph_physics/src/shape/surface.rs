@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bevy::prelude::Entity;
-use morph_collision::{Pose, WorldFromModel};
+use morph_collision::WorldFromModel;
 use parry3d::bounding_volume::{Aabb, BoundingSphere};
 use parry3d::mass_properties::MassProperties;
-use parry3d::math::{Real, Vector};
+use parry3d::math::{Pose as Isometry, Real, Vector};
 use parry3d::query::{PointProjection, Ray, RayCast, RayIntersection};
 use parry3d::shape::{FeatureId, Shape, ShapeType, TypedShape};
 use tracing::error;
@@ -16,6 +16,7 @@ use super::layout::MeshLayout;
 use super::posed::Posed;
 use super::range::MAX_COORDINATE;
 use super::triangles::nowhere;
+use crate::posing::LazyPose;
 
 /// The surface of a morphing or skinned mesh as a Parry shape. With Rapier, it is the shape of the `Collider` of a
 /// [`MorphPhysicsCollider`](crate::MorphPhysicsCollider).
@@ -34,7 +35,7 @@ pub struct MorphSurface {
 
 impl MorphSurface {
     /// A surface of the mesh of an entity, in a pose.
-    pub fn new(entity: Entity, pose: Pose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
+    pub fn new(entity: Entity, pose: LazyPose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
         let posed = Posed::new(pose, collider_from_model, layout);
         Self {
             entity,
@@ -102,6 +103,10 @@ impl parry3d::query::PointQuery for MorphSurface {
 impl Shape for MorphSurface {
     fn compute_local_aabb(&self) -> Aabb {
         self.lock().bounds()
+    }
+
+    fn compute_aabb(&self, position: &Isometry) -> Aabb {
+        self.lock().bounds_at(position)
     }
 
     fn compute_local_bounding_sphere(&self) -> BoundingSphere {

@@ -9,10 +9,10 @@ use bevy_morph_collision::physics_api::CurrentSkeletons;
 use morph_collision::{InputError, JointMatrices};
 
 use super::clock::Span;
-use super::recorded_value::JointSample;
 use super::timeline::Timeline;
 use super::weights::WeightSource;
-use crate::math::{joints_in, rigid_part};
+use crate::math::rigid_part;
+use crate::posing::SurfaceJoints;
 
 /// The components that determine what a surface is drawn with.
 #[derive(QueryData)]
@@ -31,7 +31,7 @@ pub struct Live {
     pub transform: Affine3A,
     /// `None` for a mesh without joints, or with invalid joints: the collider reports those, and the last valid ones stay in use. An error
     /// if they are valid in the world, but not in the space of the collider.
-    pub joints: Result<Option<JointSample>, InputError>,
+    pub joints: Result<Option<SurfaceJoints>, InputError>,
 }
 
 /// What a surface was drawn with in the last few frames.
@@ -39,7 +39,7 @@ pub struct DrawnHistory {
     /// The weights of its targets.
     pub weights: Timeline<Vec<f32>>,
     /// Its joints.
-    pub joints: Timeline<JointSample>,
+    pub joints: Timeline<SurfaceJoints>,
     /// The transform of its entity.
     pub transform: Timeline<Affine3A>,
     /// Whether its transform is what is drawn, and not where a physics engine has it.
@@ -51,17 +51,9 @@ pub struct DrawnHistory {
     /// The middle of the mesh in its bind pose.
     middle: Vec3,
     /// The joints that were last read. A frame and the step after it often find the same.
-    last_read: Option<ReadJoints>,
+    last_read: Option<SurfaceJoints>,
     /// Scratch memory.
     read_weights: Vec<f32>,
-}
-
-/// Which joints were read, and what they are in the space of a collider.
-struct ReadJoints {
-    /// That of the skeleton.
-    version: u64,
-    collider: Affine3A,
-    sample: JointSample,
 }
 
 impl DrawnHistory {
@@ -80,6 +72,11 @@ impl DrawnHistory {
         }
     }
 
+    /// The middle of the mesh in its bind pose.
+    pub fn middle(&self) -> Vec3 {
+        self.middle
+    }
+
     /// Forgets everything.
     pub fn forget(&mut self) {
         *self = Self::new(self.middle);
@@ -92,41 +89,19 @@ impl DrawnHistory {
         skin: Option<&SkinnedMesh>,
         skeletons: &mut CurrentSkeletons,
     ) -> Live {
-        let joints = skin.and_then(|skin| {
-            let skeleton = skeletons.of(skin);
-            let joints = skeleton.world_from_mesh()?;
-            Some(self.joints_in_collider(transform, joints, skeleton.version()))
-        });
+        let joints = skin.and_then(|skin| skeletons.of(skin).current_matrices());
         Live {
             transform: transform.affine(),
-            joints: joints.transpose(),
+            joints: joints.map(|joints| self.read(joints, transform)).transpose(),
         }
     }
 
-    /// Joints in the space of a collider.
-    fn joints_in_collider(
-        &mut self,
-        transform: &GlobalTransform,
-        world_from_mesh: &[Affine3A],
-        version: u64,
-    ) -> Result<JointSample, InputError> {
-        let collider = transform.affine();
-        if let Some(last) = &self.last_read
-            && last.version == version
-            && last.collider == collider
-        {
-            return Ok(last.sample.clone());
-        }
-        let sample = JointSample {
-            joints: JointMatrices::from_matrices(joints_in(&rigid_part(transform), world_from_mesh))?,
-            middle: self.middle,
-        };
-        self.last_read = Some(ReadJoints {
-            version,
-            collider,
-            sample: sample.clone(),
-        });
-        Ok(sample)
+    /// Joints that are drawn now, with a collider at this transform.
+    fn read(&mut self, joints: &JointMatrices, transform: &GlobalTransform) -> Result<SurfaceJoints, InputError> {
+        let joints = SurfaceJoints::drawn(joints.clone(), rigid_part(transform), self.middle)?;
+        // If they are the same, what was computed for them stays.
+        let last = self.last_read.take().filter(|last| last.is_drawn_as(&joints));
+        Ok(self.last_read.insert(last.unwrap_or(joints)).clone())
     }
 
     /// Records what a frame is drawn with. Weights that cannot be used are skipped.

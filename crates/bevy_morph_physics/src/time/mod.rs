@@ -10,7 +10,7 @@ mod weights;
 
 pub use clock::{Lag, Span, StepTime, Watch};
 pub use history::{DrawnHistory, Live, SurfaceComponents, SurfaceComponentsItem};
-pub use recorded_value::{JointSample, RecordedValue};
+pub use recorded_value::RecordedValue;
 pub use timeline::Timeline;
 pub use timing::{InFixedLoop, Timing, track_fixed_loop};
 pub use weights::WeightSource;

@@ -1,9 +1,9 @@
 //! The values that are recorded in every frame: weights, joints and transforms.
 
 use bevy::math::{Affine3A, DVec3, Vec3};
-use morph_collision::JointMatrices;
 
-use crate::math::largest;
+use crate::math::affine_between;
+use crate::posing::SurfaceJoints;
 
 /// A value that determines a surface: weights, joints or transform.
 pub trait RecordedValue: Clone {
@@ -38,8 +38,7 @@ impl RecordedValue for Affine3A {
     }
 
     fn interpolated(&self, other: &Self, share: f32) -> Self {
-        let [a, b] = [self, other].map(Affine3A::to_cols_array);
-        Self::from_cols_array(&std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share))
+        affine_between(self, other, share)
     }
 
     fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
@@ -47,50 +46,16 @@ impl RecordedValue for Affine3A {
     }
 }
 
-/// Joints in the collider's space, and a point of the mesh, the middle of its bounds.
-#[derive(Clone)]
-pub struct JointSample {
-    /// Shared by everything that remembers this moment.
-    pub joints: JointMatrices,
-    /// The middle of the mesh in its bind pose.
-    pub middle: Vec3,
-}
-
-impl RecordedValue for JointSample {
+impl RecordedValue for SurfaceJoints {
     fn is_same(&self, other: &Self) -> bool {
-        if self.joints == other.joints && self.middle == other.middle {
-            return true;
-        }
-        let close = |a: &[f32; 12], b: &[f32; 12]| {
-            let (a, b) = (&a[..9], &b[..9]);
-            // Its scale may be that of another unit of length.
-            let scale = largest(b.iter().map(|b| b.abs()));
-            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * scale)
-        };
-        // Removing the collider's isometry leaves rounding errors. Joints that move nearly always turn, which the first of them shows.
-        let mut pairs = self.joints.iter().zip(other.joints.iter());
-        if self.joints.len() != other.joints.len() || !pairs.all(|(a, b)| close(&a.to_cols_array(), &b.to_cols_array()))
-        {
-            return false;
-        }
-        let size = largest(other.points().map(|p| p.abs().max_element()));
-        self.points()
-            .zip(other.points())
-            .all(|(a, b)| a.distance(b) <= 1e-6 * size)
+        self.is_same(other)
     }
 
     fn interpolated(&self, other: &Self, share: f32) -> Self {
-        let pairs = self.joints.iter().zip(other.joints.iter());
-        let between = JointMatrices::from_matrices(pairs.map(|(a, b)| a.interpolated(&b, share)));
-        Self {
-            // Between numbers in range, all are.
-            joints: between.unwrap_or_else(|_| self.joints.clone()),
-            middle: self.middle,
-        }
+        self.between(other, share)
     }
 
     fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
-        let middle = |joint: Affine3A| joint.transform_point3(self.middle).as_dvec3();
-        self.joints.iter().map(middle)
+        self.middles().iter().map(|middle| middle.as_dvec3())
     }
 }

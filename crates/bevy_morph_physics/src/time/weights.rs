@@ -2,8 +2,9 @@
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-use bevy_morph_collision::physics_api::{WeightsProblem, drawn_weights, take_weights};
-use morph_collision::Pose;
+use bevy_morph_collision::physics_api::{WeightsProblem, drawn_weights};
+
+use crate::posing::LazyPose;
 
 /// The weights with which a mesh is drawn: its own, or those of the entity that it refers to.
 #[derive(Clone, Copy)]
@@ -31,7 +32,8 @@ impl WeightSource<'_> {
     ///
     /// # Errors
     /// They do not fit the pose, which keeps its own.
-    pub fn pose(&self, pose: &mut Pose, rest: &mut Vec<f32>) -> Result<bool, WeightsProblem> {
-        take_weights(pose, self.component, self.shared, rest)
+    pub fn pose(&self, pose: &mut LazyPose, rest: &mut Vec<f32>) -> Result<(), WeightsProblem> {
+        let drawn = drawn_weights(pose.weights().len(), self.component, self.shared, rest)?;
+        Ok(pose.set_weights(drawn)?)
     }
 }

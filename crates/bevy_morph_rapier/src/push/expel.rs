@@ -92,13 +92,15 @@ pub(crate) fn drive_apart(
         // All of this is in the collider's space, which moves with the body.
         enclosed.center = isometry.inverse_transform_point(enclosed.center.as_vec3()).as_dvec3();
         let travelled = moving.travelled();
+        let mut posed = moving.surface.lock();
         let surface = SolidSurface {
-            pose: &mut moving.surface.lock().pose,
+            pose: posed.pose.get(),
             world_from_model: &in_collider,
             travelled,
             outward: f64::from(outward),
         };
         let exit = expelling.exit(nearby.collider, &enclosed, surface, drive(step));
+        drop(posed);
         if let Some(exit) = exit {
             let direction = (isometry.rotation * exit.direction.as_vec3()).normalize_or_zero();
             separate(world, [nearby.body, own], direction, &exit);

@@ -2,9 +2,8 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_morph_physics::math::rigid_part;
+use bevy_morph_physics::math::{affine_of, rigid_part};
 use bevy_morph_physics::moving::Prediction;
-use bevy_morph_physics::shape::is_mirrored;
 use bevy_morph_physics::time::Live;
 use bevy_rapier3d::parry::math::Pose as Isometry;
 use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
@@ -23,24 +22,19 @@ pub(crate) fn predict(
     // Rapier's collider has the entity's position and rotation. What remains is scale and shear, which does not apply to
     // joints.
     let isometry = rigid_part(entity);
-    let rigid = Affine3A::from_rotation_translation(isometry.rotation, isometry.translation);
+    let rigid = affine_of(&isometry);
     let affine = if is_skinned { rigid } else { entity.affine() };
     let collider_from_model = if is_skinned {
         Affine3A::IDENTITY
     } else {
         rigid.inverse() * affine
     };
-    let joints = live.joints.clone()?.map(|sample| sample.joints);
-    let mirrored = match &joints {
-        Some(joints) => is_mirrored(joints.iter()),
-        None => is_mirrored([collider_from_model].into_iter()),
-    };
+    let joints = live.joints.clone()?;
     let to = |world_from_model, carried| {
         Ok(Prediction {
             world_from_model,
             collider_from_model: WorldFromModel::new(collider_from_model)?,
             joints,
-            mirrored,
             carried,
         })
     };
@@ -56,9 +50,8 @@ pub(crate) fn predict(
         // Where Rapier moves a dynamic body is not known yet.
         _ => *body.position(),
     } * in_body;
-    let world_from_collider = Affine3A::from_rotation_translation(isometry.rotation, isometry.translation);
     to(
-        WorldFromModel::new(world_from_collider * collider_from_model)?,
+        WorldFromModel::new(affine_of(&isometry) * collider_from_model)?,
         body.is_dynamic(),
     )
 }

@@ -38,14 +38,20 @@ impl CenteredLanes {
         }
     }
 
-    /// The middle of a box's image under a map with these columns, and how far the image reaches from it.
+    /// The middle of a widened box's image under a map with these columns, and how far the image reaches from it.
     #[inline(always)]
-    pub(crate) fn image<S: Simd>(&self, simd: S, lane: usize, [x, y, z, offset]: [f64x4<S>; 4]) -> [f64x4<S>; 2] {
+    pub(crate) fn image<S: Simd>(
+        &self,
+        simd: S,
+        lane: usize,
+        [x, y, z, offset]: [f64x4<S>; 4],
+        widening: f64,
+    ) -> [f64x4<S>; 2] {
         let lane = lane % LANES;
         let (mut middle, mut radius) = (offset, f64x4::splat(simd, 0.0));
         for ((column, center), half) in [x, y, z].into_iter().zip(&self.center).zip(&self.half) {
             middle += column * f64x4::splat(simd, center[lane]);
-            radius += column.abs() * f64x4::splat(simd, half[lane]);
+            radius += column.abs() * f64x4::splat(simd, half[lane] + widening);
         }
         [middle, radius]
     }

@@ -1,10 +1,13 @@
 //! A box around a skinned body in the world or in another space, from one box per joint. A broad phase needs it before any node is
 //! blended.
+//!
+//! Weights that move vertices little, as those of a face on a body do, blend nothing for it: it is made from the boxes at rest, widened by
+//! what the weights can do at most. Only the weights and joints decide that, so equal poses have equal boxes.
 
 use std::ops::RangeInclusive;
 
-use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
+use fearless_simd::{Level, f64x4};
 use glam::DVec3;
 
 use super::outer_boxes::EntitySpace;
@@ -12,7 +15,8 @@ use super::part_boxes::{PartBoxes, Parts};
 use super::skin_tree::SkinTree;
 use crate::bounds::{Aabb, CenteredLanes, Extent, MapFrame, with_simd};
 use crate::joints::JointMatrices;
-use crate::model::Skin;
+use crate::model::{MorphModel, Skin};
+use crate::tree::{JointBoxes, MorphBvh};
 
 /// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
 #[derive(Clone, Debug, Default)]
@@ -38,22 +42,16 @@ impl JointHull {
     /// vertices, which is larger than those of the hull.
     ///
     /// It is kept until joints or weights change, because a physics step asks for it several times.
-    pub(super) fn around(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, error: f64) -> Aabb {
+    pub(super) fn around(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, reach: &Reach, error: f64) -> Aabb {
         if let Some(known) = self.world {
             return known;
         }
-        let bounds = self.compute(tree, joints, error);
+        let bounds = match self.boxes_for(tree, reach) {
+            Some(boxes) => boxes.in_world(tree.level, joints, sums(tree.model), error),
+            None => Aabb::UNBOUNDED,
+        };
         self.world = Some(bounds);
         bounds
-    }
-
-    fn compute(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, error: f64) -> Aabb {
-        let Some(parts) = self.parts(tree) else {
-            return Aabb::UNBOUNDED;
-        };
-        let boxes = tree.skin.joints.joints().zip(parts.iter());
-        let hull = with_simd!(tree.level, simd => images(simd, boxes, joints, None));
-        pulled(hull, DVec3::ZERO, sums(tree), DVec3::splat(2.0 * error))
     }
 
     /// Like [`JointHull::around`], in the model space of an entity. The box contains the exact preimage of every vertex. It is infinite if
@@ -62,19 +60,34 @@ impl JointHull {
         &mut self,
         tree: SkinTree<'_>,
         joints: &JointMatrices,
+        reach: &Reach,
         EntitySpace { place, frame, error }: &EntitySpace<'_>,
     ) -> Aabb {
-        let Some(parts) = self.parts(tree) else {
+        let sums = sums(tree.model);
+        let far = joints.world_reach(reach.of_vertices) + place.translation().abs().max_element();
+        let (Some(boxes), Some(rounding)) = (
+            self.boxes_for(tree, reach),
+            place.model_error(far * sums.end().max(1.0), *error),
+        ) else {
             return Aabb::UNBOUNDED;
         };
-        let sums = sums(tree);
-        let reach = joints.world_reach(parts.reach) + place.translation().abs().max_element();
-        let Some(rounding) = place.model_error(reach * sums.end().max(1.0), *error) else {
-            return Aabb::UNBOUNDED;
-        };
-        let boxes = tree.skin.joints.joints().zip(parts.iter());
-        let hull = with_simd!(tree.level, simd => images(simd, boxes, joints, Some(frame)));
+        let hull = with_simd!(tree.level, simd => boxes.images(simd, joints, Some(frame)));
         pulled(hull, place.model_origin(), sums, rounding)
+    }
+
+    /// The boxes at rest if they will do, or else blended ones; `None` if coordinates are too large to compute with.
+    fn boxes_for<'a>(&'a mut self, tree: SkinTree<'a>, reach: &Reach) -> Option<HullBoxes<'a>> {
+        let joints = &tree.skin.joints;
+        if let Some(boxes) = HullBoxes::at_rest(joints, reach) {
+            return Some(boxes);
+        }
+        let parts = self.parts(tree)?;
+        Some(HullBoxes {
+            joints,
+            still: parts.still,
+            moved: parts.moved,
+            widening: 0.0,
+        })
     }
 
     /// The boxes; `None` if coordinates are too large to compute with.
@@ -86,9 +99,116 @@ impl JointHull {
     }
 }
 
+/// How far weights can move vertices, before joints do.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Reach {
+    /// A bound on the absolute coordinates of all vertices.
+    pub(super) of_vertices: f64,
+    /// A bound on how far the weights move any vertex along an axis.
+    pub(super) of_weights: f64,
+}
+
+impl Reach {
+    pub(super) fn new(model: &MorphModel, weights: &[f32]) -> Self {
+        let of_target = |(weight, reach): (&f32, &f32)| f64::from(weight.abs()) * f64::from(*reach);
+        let of_targets: f64 = weights.iter().zip(model.target_reach()).map(of_target).sum();
+        let at_rest = f64::from(model.base_reach());
+        Self {
+            // The factor covers the rounding of blends.
+            of_vertices: (at_rest + of_targets) * (1.0 + 1.5e-2),
+            // The rounding of sums, here and of exact vertices, is less than these shares.
+            of_weights: (1.0 + 1e-9) * of_targets + 1e-12 * at_rest,
+        }
+    }
+}
+
+/// One box per joint, which joints are about to move.
+struct HullBoxes<'a> {
+    joints: &'a JointBoxes,
+    /// Those that no target moves.
+    still: &'a [CenteredLanes],
+    moved: &'a [CenteredLanes],
+    /// How much larger those are that targets move.
+    widening: f64,
+}
+
+impl<'a> HullBoxes<'a> {
+    /// `None` if weights may move vertices far.
+    fn at_rest(joints: &'a JointBoxes, reach: &Reach) -> Option<Self> {
+        let [still, moved] = joints.at_rest();
+        // False for NaN.
+        (reach.of_weights <= joints.most_widening).then_some(Self {
+            joints,
+            still,
+            moved,
+            widening: reach.of_weights,
+        })
+    }
+
+    /// A box in world space that contains every vertex, exact or rounded by at most `error`.
+    fn in_world(&self, level: Level, joints: &JointMatrices, sums: RangeInclusive<f64>, error: f64) -> Aabb {
+        let hull = with_simd!(level, simd => self.images(simd, joints, None));
+        pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
+    }
+
+    /// The hull of the images of the boxes, each under its joint, in world space or in another frame.
+    #[inline(always)]
+    fn images<S: Simd>(&self, simd: S, joints: &JointMatrices, frame: Option<&MapFrame>) -> Extent {
+        let mut min = f64x4::splat(simd, f64::INFINITY);
+        let mut max = f64x4::splat(simd, f64::NEG_INFINITY);
+        let blocks = self.still.iter().map(|boxes| (boxes, 0.0));
+        let blocks = blocks.chain(self.moved.iter().map(|boxes| (boxes, self.widening)));
+        for (joints_of, (boxes, widening)) in self.joints.joints().zip(blocks) {
+            for (lane, &joint) in joints_of.iter().enumerate() {
+                let columns = match frame {
+                    Some(frame) => frame.joint(simd, joints.padded(joint)),
+                    None => joints.loaded(simd, joint),
+                };
+                let [center, radius] = boxes.image(simd, lane, columns, widening);
+                min = min.min(center - radius);
+                max = max.max(center + radius);
+            }
+        }
+        let (mut low, mut high) = ([0.0; 4], [0.0; 4]);
+        min.store_slice(&mut low);
+        max.store_slice(&mut high);
+        Extent {
+            min: DVec3::new(low[0], low[1], low[2]),
+            max: DVec3::new(high[0], high[1], high[2]),
+        }
+    }
+}
+
+impl MorphBvh {
+    /// A box in world space around a skinned mesh with these weights and joints, the same as that of [`Pose::broad_phase_bounds`], but without
+    /// a pose: for a character near which nothing is, nothing has to be set, and nothing is remembered.
+    ///
+    /// `None` if weights or joints do not fit, if the mesh is not skinned, or if the weights may move vertices far. Then, a pose has to blend
+    /// boxes.
+    ///
+    /// Cost: linear in the numbers of joints and targets.
+    #[must_use]
+    pub fn broad_phase_bounds(&self, weights: &[f32], joints: &JointMatrices) -> Option<Aabb> {
+        let (model, tables) = (self.model(), self.skin.as_ref()?);
+        let skin = model.skin()?;
+        if model.joint_count() != Some(joints.len()) || model.check_weights(weights).is_err() {
+            return None;
+        }
+        let reach = Reach::new(model, weights);
+        let boxes = HullBoxes::at_rest(&tables.joints, &reach)?;
+        let error = placement_error(skin, joints, reach.of_vertices);
+        Some(boxes.in_world(self.kernel().level, joints, skin.sums(), error))
+    }
+}
+
+/// A bound on the rounding error of world positions: a product and a sum per influence for the matrix, and three of each for the position.
+pub(super) fn placement_error(skin: &Skin, joints: &JointMatrices, reach: f64) -> f64 {
+    4.0 * skin.most_influences() as f64 * f64::EPSILON * skin.max_sum() * joints.world_reach(reach)
+}
+
 /// A range that contains the sum of every vertex's weights.
-fn sums(tree: SkinTree<'_>) -> RangeInclusive<f64> {
-    tree.model.skin().map_or(1.0..=1.0, Skin::sums)
+fn sums(model: &MorphModel) -> RangeInclusive<f64> {
+    model.skin().map_or(1.0..=1.0, Skin::sums)
 }
 
 /// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight
@@ -105,37 +225,6 @@ fn pulled(hull: Extent, origin: DVec3, sums: RangeInclusive<f64>, by: DVec3) -> 
         max: origin + (max * least).max(max * most) + by,
     };
     scaled.outward()
-}
-
-/// The hull of the images of boxes, each under its joint, in world space or in another frame. The boxes come with their joints, eight at a
-/// time.
-#[inline(always)]
-fn images<'b, S: Simd>(
-    simd: S,
-    blocks: impl Iterator<Item = (&'b [u16], &'b CenteredLanes)>,
-    joints: &JointMatrices,
-    frame: Option<&MapFrame>,
-) -> Extent {
-    let mut min = f64x4::splat(simd, f64::INFINITY);
-    let mut max = f64x4::splat(simd, f64::NEG_INFINITY);
-    for (moved, boxes) in blocks {
-        for (lane, &joint) in moved.iter().enumerate() {
-            let columns = match frame {
-                Some(frame) => frame.joint(simd, joints.padded(joint)),
-                None => joints.loaded(simd, joint),
-            };
-            let [center, radius] = boxes.image(simd, lane, columns);
-            min = min.min(center - radius);
-            max = max.max(center + radius);
-        }
-    }
-    let (mut low, mut high) = ([0.0; 4], [0.0; 4]);
-    min.store_slice(&mut low);
-    max.store_slice(&mut high);
-    Extent {
-        min: DVec3::new(low[0], low[1], low[2]),
-        max: DVec3::new(high[0], high[1], high[2]),
-    }
 }
 
 #[cfg(test)]
@@ -184,6 +273,72 @@ mod tests {
                 assert!(bounds.contains(corner), "{weights:?}: {corner} outside {bounds:?}");
             }
         }
+    }
+
+    /// A strip of triangles along x, 100 long, under two joints. One target lifts a third of its vertices by 1.
+    fn strip() -> Pose {
+        let base: Vec<Vec3> = (0..101_u8)
+            .map(|i| Vec3::new(f32::from(i), f32::from(i % 2), 0.0))
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..99).map(|i| [i, i + 1, i + 2]).collect();
+        let lift = |i| if i < 33 { Vec3::Z } else { Vec3::ZERO };
+        let target: Vec<Vec3> = (0..101).map(lift).collect();
+        let weights: Vec<[f32; 4]> = (0..101_u8)
+            .map(|i| [1.0 - f32::from(i) / 100.0, f32::from(i) / 100.0, 0.0, 0.0])
+            .collect();
+        let influences = Influences {
+            joints: &[[0, 1, 0, 0]; 101],
+            weights: &weights,
+        };
+        let model = MorphModel::skinned(&base, &triangles, &[target], 2, &[influences]).unwrap();
+        Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
+    }
+
+    #[test]
+    fn the_box_without_a_pose_is_that_of_the_pose_and_holds_every_vertex() {
+        let mut pose = strip();
+        let bvh = pose.bvh().clone();
+        let (mut kept, mut blended) = (0, 0);
+        for step in 0..400_u16 {
+            let turn = f32::from(step) * 0.1;
+            let weight = 0.05 * (f32::from(step) - 200.0);
+            let joints = [
+                Affine3A::from_rotation_y(turn),
+                Affine3A::from_scale_rotation_translation(
+                    Vec3::new(1.0, -2.0, 0.5),
+                    glam::Quat::from_rotation_z(2.0 * turn),
+                    Vec3::new(3.0, turn, -5.0),
+                ),
+            ];
+            let joints = JointMatrices::new(&joints).unwrap();
+            pose.set_joints(&joints).unwrap();
+            pose.set_weights(&[weight]).unwrap();
+            let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
+            match bvh.broad_phase_bounds(&[weight], &joints) {
+                Some(known) => {
+                    kept += 1;
+                    assert_eq!(known, bounds, "weight {weight}");
+                }
+                None => blended += 1,
+            }
+            for vertex in 0..101 {
+                let vertex = pose.source_vertex(vertex).unwrap();
+                assert!(bounds.contains(vertex), "weight {weight}: {vertex} outside {bounds:?}");
+            }
+        }
+        assert!(kept > 200 && blended > 100, "{kept} at rest, {blended} blended");
+    }
+
+    #[test]
+    fn without_a_pose_only_what_fits_has_a_box() {
+        let pose = strip();
+        let (bvh, joints) = (pose.bvh(), JointMatrices::new(&[Affine3A::IDENTITY; 2]).unwrap());
+        assert!(bvh.broad_phase_bounds(&[1.0], &joints).is_some());
+        for weights in [&[][..], &[1.0, 1.0], &[f32::NAN], &[f32::INFINITY], &[7.0]] {
+            assert_eq!(bvh.broad_phase_bounds(weights, &joints), None, "{weights:?}");
+        }
+        let one = JointMatrices::new(&[Affine3A::IDENTITY]).unwrap();
+        assert_eq!(bvh.broad_phase_bounds(&[1.0], &one), None);
     }
 
     #[test]

@@ -144,7 +144,7 @@ fn bound<S: Simd>(
         let (mut low, mut high) = (origin, origin);
         for (step, part) in joint_parts.iter().enumerate() {
             let (columns, index) = (space.joint(simd, joints, part.joint), part.index as usize);
-            let [middle, radius] = parts.block(index / LANES).image(simd, index, columns);
+            let [middle, radius] = parts.block(index / LANES).image(simd, index, columns, 0.0);
             let (least, most) = (middle - radius, middle + radius);
             if step == 0 {
                 (low, high) = (least, most);

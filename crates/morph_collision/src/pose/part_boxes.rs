@@ -21,8 +21,9 @@ pub(super) struct PartBoxes {
 /// Boxes of parts, eight to a block.
 #[derive(Clone, Copy)]
 pub(super) struct Parts<'a> {
-    still: &'a [CenteredLanes],
-    moved: &'a [CenteredLanes],
+    /// Those that no target moves come first.
+    pub(super) still: &'a [CenteredLanes],
+    pub(super) moved: &'a [CenteredLanes],
     /// A bound on the absolute coordinates of all boxes.
     pub(super) reach: f64,
 }

@@ -9,7 +9,7 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use super::joint_hull::JointHull;
+use super::joint_hull::{JointHull, Reach, placement_error};
 use super::outer_boxes::{EntitySpace, OuterBoxes};
 use super::part_boxes::Parts;
 use super::posed_vertices::PosedVertices;
@@ -28,8 +28,7 @@ pub(super) struct Skinning {
     outer: OuterBoxes,
     /// The body's frame has the axes of the world and its origin in the body.
     origin: DVec3,
-    /// A bound on the absolute coordinates of vertices before joints move them.
-    reach: f64,
+    reach: Reach,
     /// A bound on the rounding error of world positions.
     error: f64,
     /// A bound on the absolute coordinates of vertices in the body's frame.
@@ -47,7 +46,7 @@ impl Skinning {
             hull: JointHull::default(),
             outer: OuterBoxes::new(&skin.outer),
             origin: DVec3::ZERO,
-            reach: 0.0,
+            reach: Reach::default(),
             error: 0.0,
             radius: 0.0,
             is_old: true,
@@ -75,7 +74,7 @@ impl Skinning {
     fn update_now(&mut self, tree: SkinTree<'_>) -> WorldFromModel {
         self.is_old = false;
         if std::mem::take(&mut self.is_reach_old) {
-            self.reach = reach(tree.model, tree.weights);
+            self.reach = Reach::new(tree.model, tree.weights.all());
         }
         if let Some(skin) = tree.model.skin() {
             self.measure(tree, skin);
@@ -87,7 +86,7 @@ impl Skinning {
 
     fn measure(&mut self, tree: SkinTree<'_>, skin: &Skin) {
         let sum = skin.max_sum();
-        self.error = placement_error(skin, &self.joints, self.reach);
+        self.error = placement_error(skin, &self.joints, self.reach.of_vertices);
         self.origin = tree.skin.middle.map_or(DVec3::ZERO, |(joint, point)| {
             let ([x, y, z, translation], point) = (self.joints.columns(joint), point.as_dvec3());
             let middle = x * point.x + y * point.y + z * point.z + translation;
@@ -98,7 +97,7 @@ impl Skinning {
                 DVec3::ZERO
             }
         });
-        let moved = self.joints.linear_reach() * self.reach + self.joints.spread(self.origin);
+        let moved = self.joints.linear_reach() * self.reach.of_vertices + self.joints.spread(self.origin);
         let missing = skin.max_missing() * self.origin.abs().max_element();
         self.radius = (sum * moved + missing + self.error) * (1.0 + 1e-9);
     }
@@ -113,7 +112,7 @@ impl Skinning {
         if !self.is_old {
             return self.error;
         }
-        let of_skin = |skin| placement_error(skin, &self.joints, reach(model, weights));
+        let of_skin = |skin| placement_error(skin, &self.joints, Reach::new(model, weights.all()).of_vertices);
         model.skin().map_or(0.0, of_skin)
     }
 
@@ -152,7 +151,7 @@ impl Skinning {
 
     /// A box in world space around all vertices.
     pub(super) fn world_bounds(&mut self, tree: SkinTree<'_>) -> Aabb {
-        self.hull.around(tree, &self.joints, self.error)
+        self.hull.around(tree, &self.joints, &self.reach, self.error)
     }
 
     /// A box around all vertices in the model space of an entity, and boxes there around the children of a group above the chunks.
@@ -169,7 +168,7 @@ impl Skinning {
             error: self.error,
         };
         self.outer.compute(tree, outer, &self.joints, &space, boxes);
-        self.hull.around_in(tree, &self.joints, &space)
+        self.hull.around_in(tree, &self.joints, &self.reach, &space)
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.
@@ -180,19 +179,4 @@ impl Skinning {
     pub(super) fn bytes(&self) -> usize {
         self.vertices.bytes() + self.hull.bytes() + self.outer.bytes()
     }
-}
-
-/// A bound on the absolute coordinates of vertices before joints move them.
-fn reach(model: &MorphModel, weights: &Weights) -> f64 {
-    let of_targets = weights
-        .active()
-        .iter()
-        .map(|&(target, weight)| f64::from(weight.abs()) * f64::from(model.target_reach()[target as usize]));
-    // The factor covers the rounding of blends.
-    (f64::from(model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2)
-}
-
-/// A bound on the rounding error of world positions: a product and a sum per influence for the matrix, and three of each for the position.
-fn placement_error(skin: &Skin, joints: &JointMatrices, reach: f64) -> f64 {
-    4.0 * skin.most_influences() as f64 * f64::EPSILON * skin.max_sum() * joints.world_reach(reach)
 }

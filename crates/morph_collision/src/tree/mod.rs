@@ -50,6 +50,7 @@ pub use bvh::MorphBvh;
 pub use certificates::SelfCertificates;
 pub(crate) use certificates::{Area, OpenPairs};
 pub(crate) use chunks::Source;
+pub(crate) use joint_boxes::JointBoxes;
 pub use layout::TreeLayout;
 pub use layout_error::LayoutError;
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather, gather_from};

@@ -1,0 +1,9 @@
+//! Shapes of surfaces that are computed when somebody looks at them. While nothing is near a surface, nobody does.
+
+mod joints;
+mod lazy_pose;
+mod placed_bounds;
+
+pub use joints::{SurfaceJoints, is_mirrored};
+pub use lazy_pose::LazyPose;
+pub use placed_bounds::PlacedBounds;

@@ -10,4 +10,4 @@ pub use isometry::{affine_between, affine_of, is_rigid, rigid_part};
 pub use rigid_motion::RigidMotion;
 pub use sorted_boxes::SortedBoxes;
 pub use velocities::{are_continuous, between, continuous, fastest, largest};
-pub use world_space::{collider_from_world, corners, into_query, joint_in, mapped, region};
+pub use world_space::{collider_from_world, corners, into_query, joint_in, mapped, precise, region};

@@ -78,7 +78,8 @@ pub fn joint_in(collider_from_world: &DAffine3, world_from_mesh: &Affine3A) -> A
     Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), translation.as_vec3())
 }
 
-fn precise(affine: &Affine3A) -> DAffine3 {
+/// An affine map in `f64`.
+pub fn precise(affine: &Affine3A) -> DAffine3 {
     let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());
     DAffine3 {
         matrix3: DMat3::from_cols(x, y, z),

@@ -137,7 +137,10 @@ impl SurfaceJoints {
             Source::Drawn {
                 world_from_mesh,
                 collider,
-            } => PlacedBounds::new(&bvh.broad_phase_bounds(weights, world_from_mesh)?, *collider),
+            } => {
+                let missing = (bvh.model().joint_weight_error()? as f32).next_up();
+                PlacedBounds::new(&bvh.broad_phase_bounds(weights, world_from_mesh)?, missing, *collider)
+            }
             // Each vertex is between where the two moments, with these weights, have it.
             Source::Between { before, after, .. } => {
                 Some(before.bounds(bvh, weights)?.hull(&after.bounds(bvh, weights)?))

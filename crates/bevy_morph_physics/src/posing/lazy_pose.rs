@@ -12,13 +12,13 @@ use crate::math::mapped;
 
 /// A pose that gets its weights and joints when somebody looks at it. The joints of a skinned mesh are in the space of its collider.
 pub struct LazyPose {
-    pose: Pose,
+    pub(super) pose: Pose,
     weights: Vec<f32>,
     joints: Option<SurfaceJoints>,
     /// Whether the pose does not have these weights and joints yet.
     is_behind: bool,
     /// A box that needed no pose.
-    bounds: Option<PlacedBounds>,
+    pub(super) bounds: Option<PlacedBounds>,
 }
 
 impl LazyPose {

@@ -3,6 +3,8 @@
 mod joints;
 mod lazy_pose;
 mod placed_bounds;
+#[cfg(test)]
+mod tests;
 
 pub use joints::{SurfaceJoints, is_mirrored};
 pub use lazy_pose::LazyPose;

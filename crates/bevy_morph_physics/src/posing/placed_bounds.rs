@@ -4,7 +4,7 @@ use bevy::math::{DMat3, DVec3, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as Isometry;
 
-use crate::math::{affine_of, collider_from_world};
+use crate::math::{affine_of, collider_from_world, precise};
 use morph_collision::WorldFromModel;
 
 /// A box along the axes of the world around a surface whose collider is somewhere.
@@ -18,15 +18,20 @@ pub struct PlacedBounds {
 const LARGEST: f32 = 1e15;
 
 impl PlacedBounds {
+    /// From a box around the drawn mesh. `missing` is the largest difference between 1 and the sum of a vertex's joint weights: it pulls the
+    /// drawn mesh to the origin of the world, and the surface to that of its collider.
+    ///
     /// `None` if the numbers are so large that conversions could overflow.
-    pub fn new(bounds: &morph_collision::Aabb, collider: Isometry) -> Option<Self> {
+    pub fn new(bounds: &morph_collision::Aabb, missing: f32, collider: Isometry) -> Option<Self> {
         let corners = [bounds.min, bounds.max];
         // False for NaN.
         let fits = corners.map(|corner| corner.abs().max_element() <= LARGEST) == [true; 2];
         // Joints in the collider's space are rounded.
-        let size = largest_distance(corners, &collider);
+        let distances = corners.map(|corner| (corner - collider.translation).abs().max_element());
+        let rounding = 1e-6 * distances[0].max(distances[1]);
+        let pull = missing * collider.translation.abs().max_element();
         fits.then(|| Self {
-            bounds: Aabb::new(bounds.min, bounds.max).loosened(1e-6 * size),
+            bounds: Aabb::new(bounds.min, bounds.max).loosened(rounding + pull),
             collider,
         })
     }
@@ -77,12 +82,8 @@ impl PlacedBounds {
 
     /// The box, if the collider is at `place`.
     pub fn at_exactly(&self, place: &WorldFromModel) -> Option<Aabb> {
-        let is_there = WorldFromModel::new(affine_of(&self.collider)).is_ok_and(|own| own == *place);
+        let own = precise(&affine_of(&self.collider));
+        let is_there = own.matrix3 == place.linear() && own.translation == place.translation();
         is_there.then_some(self.bounds)
     }
-}
-
-fn largest_distance(corners: [Vec3; 2], from: &Isometry) -> f32 {
-    let distances = corners.map(|corner| (corner - from.translation).abs().max_element());
-    distances[0].max(distances[1])
 }

@@ -160,11 +160,15 @@ impl WorldFromModel {
         self.inverse.as_ref()
     }
 
-    pub(crate) fn linear(&self) -> DMat3 {
+    /// Its linear part.
+    #[must_use]
+    pub fn linear(&self) -> DMat3 {
         self.linear
     }
 
-    pub(crate) fn translation(&self) -> DVec3 {
+    /// Where it takes the origin.
+    #[must_use]
+    pub fn translation(&self) -> DVec3 {
         self.translation
     }
 }

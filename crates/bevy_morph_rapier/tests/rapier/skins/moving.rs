@@ -7,7 +7,7 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{DT, body};
 
 use super::{Arm, TOP, app_with_arm, both};
-use crate::support::{place, run, set_weights, velocity};
+use crate::support::{diagnostics, place, run, set_weights, velocity};
 
 const HALF: f32 = 0.15;
 
@@ -135,6 +135,48 @@ fn a_fist_throws_a_ball_that_it_would_pass_in_one_step() {
     let (thrown, fist) = (thrown.expect("the fist meets it"), Vec3::Y.cross(at) * 12.0);
     let along = thrown.dot(fist.normalize());
     assert!(along > 0.7 * fist.length(), "thrown at {thrown} by {fist}");
+}
+
+/// The places and velocities of a ball that a forearm throws, and whether the arm was awake. If a `guard` hovers in an empty edge of the upper
+/// arm's box, the arm cannot sleep. For some frames, time may stand still while the arm turns on.
+fn punched(guard: bool, paused: std::ops::Range<i32>) -> (Vec<[Vec3; 2]>, Vec<u32>) {
+    let (mut app, arm) = app_with_arm();
+    let ball = body(&mut app, Collider::ball(0.2), Vec3::new(1.5, 0.0, -2.6));
+    app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
+    if guard {
+        let hovering = body(&mut app, Collider::ball(0.01), Vec3::new(-2.9, 0.485, 0.485));
+        app.world_mut().entity_mut(hovering).insert(GravityScale(0.0));
+    }
+    let (mut states, mut awake) = (Vec::new(), Vec::new());
+    for i in 0..60 {
+        if i == paused.start {
+            app.world_mut().resource_mut::<Time<Virtual>>().pause();
+        } else if i == paused.end {
+            app.world_mut().resource_mut::<Time<Virtual>>().unpause();
+        }
+        let turned = Transform::from_rotation(Quat::from_rotation_y(0.0008 * (i * i) as f32));
+        set_weights(&mut app, arm.surface, &[0.1 * (0.3 * i as f32).sin()]);
+        arm.pose(&mut app, [Transform::IDENTITY, turned]);
+        run(&mut app, 1);
+        states.push([place(&app, ball), velocity(&app, ball)]);
+        awake.push(diagnostics(&app).awake);
+    }
+    (states, awake)
+}
+
+#[test]
+fn an_arm_wakes_as_if_it_had_never_slept() {
+    for paused in [100..100, 20..25, 33..36] {
+        let (slept, awake) = punched(false, paused.clone());
+        let (guarded, always) = punched(true, paused.clone());
+        assert!(slept.iter().any(|[_, velocity]| velocity.length() > 1.0), "{slept:?}");
+        assert!(awake[..10] == [0; 10] && awake.contains(&1), "{awake:?}");
+        let steps = (0..60).zip(&always).filter(|(i, _)| *i > 3 && !paused.contains(i));
+        assert!(steps.map(|(_, awake)| *awake).all(|awake| awake == 1), "{always:?}");
+        for (frame, (slept, guarded)) in slept.iter().zip(&guarded).enumerate() {
+            assert_eq!(slept, guarded, "in frame {frame}, paused in {paused:?}");
+        }
+    }
 }
 
 #[test]

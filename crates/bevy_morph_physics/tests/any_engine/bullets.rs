@@ -10,7 +10,7 @@ use crate::support::{
     place, run, set_weights, spawn, trimesh,
 };
 
-const SHOTS: usize = 40;
+const SHOTS: usize = 20;
 
 #[test]
 fn no_bullet_goes_through_a_surface_that_comes_towards_it() {

@@ -167,7 +167,7 @@ fn a_batch_answers_as_one_by_one_on_generated_bodies() {
 #[test]
 fn a_batch_answers_as_one_by_one_on_real_models() {
     for case in bodies::real() {
-        Asked::new(&case, 60).compare_all();
+        Asked::new(&case, 25).compare_all();
     }
 }
 
@@ -182,7 +182,7 @@ fn large(questions: usize) -> Asked {
 
 #[test]
 fn large_batches_answer_as_one_by_one() {
-    large(400).compare_all();
+    large(220).compare_all();
 }
 
 #[test]

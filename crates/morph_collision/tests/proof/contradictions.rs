@@ -89,7 +89,7 @@ fn a_face_does_not_contradict_its_proof() {
     );
     let mesh = &read_meshes(path.as_ref()).unwrap()[0];
     // A part of the box, and few boxes per pair, to save time.
-    let weights = WeightBox::new(&[0.0; 52], &[0.25; 52]).unwrap();
+    let weights = WeightBox::new(&[0.0; 52], &[0.1; 52]).unwrap();
     let [free, found] = compare(mesh, &weights, 2, 25, 1);
     assert!(free > 40_000_000 && found > 10_000, "{free} {found}");
 }

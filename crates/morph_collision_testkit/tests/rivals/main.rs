@@ -87,8 +87,7 @@ fn all_methods_agree_in_the_pass_through() {
 #[test]
 fn all_methods_agree_on_real_faces_with_large_and_negative_sums_of_weights() {
     const HEAD: &str = "mh_head_eyes_teeth_arkit52.glb";
-    let weights: [fn(usize, usize) -> f32; 3] = [
-        |body, target| ((body + target) % 5) as f32 * 0.1,
+    let weights: [fn(usize, usize) -> f32; 2] = [
         |_, target| if target % 4 == 0 { 0.9 } else { 0.01 },
         |body, target| ((3 * body + 7 * target) % 11) as f32 * 0.2 - 0.9,
     ];

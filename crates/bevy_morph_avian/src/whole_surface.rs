@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use bevy_morph_physics::shape::{MorphSurface, Triangles, nowhere};
 use parry3d::bounding_volume::{Aabb, BoundingSphere};
 use parry3d::mass_properties::MassProperties;
-use parry3d::math::{Real, Vector};
+use parry3d::math::{Pose as Isometry, Real, Vector};
 use parry3d::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use parry3d::shape::{CompositeShape, FeatureId, Shape, ShapeType, TypedShape};
 
@@ -72,6 +72,10 @@ impl PointQuery for WholeSurface {
 impl Shape for WholeSurface {
     fn compute_local_aabb(&self) -> Aabb {
         self.surface.compute_local_aabb()
+    }
+
+    fn compute_aabb(&self, position: &Isometry) -> Aabb {
+        self.surface.compute_aabb(position)
     }
 
     fn compute_local_bounding_sphere(&self) -> BoundingSphere {

@@ -280,15 +280,15 @@ impl MovingSurface {
         if same_joints {
             return true;
         }
-        if first || (may_wait && posed.pose.is_behind()) {
+        if first || (may_wait && !posed.pose.is_seen()) {
             // Nobody has looked at the current shape, so nobody keeps anything for it.
             return false;
         }
         // Rounding errors from removing the collider's transform are not a change.
-        let size = coordinates(posed.pose.get(), world_from_model);
+        let size = coordinates(posed.pose.compare(), world_from_model);
         let place = WorldFromModel::IDENTITY;
-        let before = Body::new(posed.pose.get(), &place);
-        size.is_finite() && Body::new(next.get(), &place).moved_at_most(1e-6 * size, before)
+        let before = Body::new(posed.pose.compare(), &place);
+        size.is_finite() && Body::new(next.compare(), &place).moved_at_most(1e-6 * size, before)
     }
 
     /// Whether its shape may wait until somebody looks at it. A dynamic body could not sleep if its surface seemed to change.

@@ -7,7 +7,7 @@ use morph_collision::{InputError, JointMatrices, MorphBvh};
 use parry3d::math::Pose as Isometry;
 
 use super::placed_bounds::PlacedBounds;
-use crate::math::{affine_between, collider_from_world, joint_in, largest};
+use crate::math::{affine_between, collider_from_world, joint_in, largest, precise};
 
 /// The joints of a skinned mesh at some moment. What remembers that moment shares them.
 ///
@@ -39,15 +39,18 @@ enum Source {
 
 /// No conversion of such numbers leaves the range of joint matrices.
 const SAFE: f64 = 1e30;
+/// The same for the places of colliders.
+const SAFE_DISTANCE: f32 = 1e15;
 
 impl SurfaceJoints {
     /// Joints that are drawn at `world_from_mesh`, with a collider there. `middle` is that of the mesh in its bind pose.
     ///
     /// # Errors
-    /// They are too large in the collider's space.
+    /// They are too large in the collider's space, or the collider is nowhere.
     pub fn drawn(world_from_mesh: JointMatrices, collider: Isometry, middle: Vec3) -> Result<Self, InputError> {
         // A bound on all entries. False for NaN.
-        let is_safe = world_from_mesh.world_reach(1.0) <= SAFE && collider.translation.length_squared() <= 1e30;
+        let is_safe = world_from_mesh.world_reach(1.0) <= SAFE
+            && collider.translation.abs().cmple(Vec3::splat(SAFE_DISTANCE)).all();
         let in_collider = OnceLock::new();
         if !is_safe {
             let _is_new = in_collider.set(converted(&world_from_mesh, &collider)?);
@@ -66,6 +69,9 @@ impl SurfaceJoints {
 
     /// Between these joints and later ones of the same mesh: each matrix is interpolated linearly, in the collider's space.
     pub fn between(&self, after: &Self, share: f32) -> Self {
+        if self.is_drawn_as(after) {
+            return self.clone();
+        }
         Self(Arc::new(Moment {
             source: Source::Between {
                 before: self.clone(),
@@ -112,8 +118,8 @@ impl SurfaceJoints {
                 collider,
             } => {
                 let to_collider = collider_from_world(collider);
-                let middle = |joint: Affine3A| joint.transform_point3(self.0.middle).as_dvec3();
-                let in_collider = |joint| to_collider.transform_point3(middle(joint)).as_vec3();
+                let middle = |joint: &Affine3A| precise(joint).transform_point3(self.0.middle.as_dvec3());
+                let in_collider = |joint| to_collider.transform_point3(middle(&joint)).as_vec3();
                 world_from_mesh.iter().map(in_collider).collect()
             }
             Source::Between { before, after, share } => {
@@ -127,7 +133,13 @@ impl SurfaceJoints {
     pub fn is_mirrored(&self) -> bool {
         match &self.0.source {
             Source::Drawn { world_from_mesh, .. } => is_mirrored(world_from_mesh.iter()),
-            Source::Between { .. } => is_mirrored(self.in_collider().iter()),
+            Source::Between { before, after, .. } => {
+                let is_mirrored_before = before.is_mirrored();
+                if is_mirrored_before == after.is_mirrored() {
+                    return is_mirrored_before;
+                }
+                is_mirrored(self.in_collider().iter())
+            }
         }
     }
 
@@ -138,8 +150,11 @@ impl SurfaceJoints {
                 world_from_mesh,
                 collider,
             } => {
-                let missing = (bvh.model().joint_weight_error()? as f32).next_up();
-                PlacedBounds::new(&bvh.broad_phase_bounds(weights, world_from_mesh)?, missing, *collider)
+                let bounds = bvh.broad_phase_bounds(weights, world_from_mesh)?;
+                // The weights move vertices by less than the mesh's size.
+                let reach = 2.0 * f64::from(bvh.model().base_reach());
+                let moved = world_from_mesh.world_reach(reach) - world_from_mesh.world_reach(0.0);
+                PlacedBounds::new(&bounds, moved, bvh.model().joint_weight_error()?, *collider)
             }
             // Each vertex is between where the two moments, with these weights, have it.
             Source::Between { before, after, .. } => {
@@ -223,8 +238,8 @@ fn are_parallel(a: &Affine3A, b: &Affine3A) -> bool {
     a.iter().zip(b).all(|(a, b)| f64::from((a - b).abs()) <= 1e-6 * scale)
 }
 
-/// Whether a mesh is mirrored by its transform, or by the majority of its joints.
-pub fn is_mirrored(transforms: impl Iterator<Item = Affine3A>) -> bool {
+/// Whether the majority of transforms mirror.
+fn is_mirrored(transforms: impl Iterator<Item = Affine3A>) -> bool {
     let sum: i32 = transforms
         .map(|transform| if transform.matrix3.determinant() < 0.0 { -1 } else { 1 })
         .sum();

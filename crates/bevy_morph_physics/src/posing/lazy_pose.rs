@@ -17,6 +17,8 @@ pub struct LazyPose {
     joints: Option<SurfaceJoints>,
     /// Whether the pose does not have these weights and joints yet.
     is_behind: bool,
+    /// Whether somebody has looked at it since it got them.
+    is_seen: bool,
     /// A box that needed no pose.
     pub(super) bounds: Option<PlacedBounds>,
 }
@@ -29,6 +31,7 @@ impl LazyPose {
             pose,
             joints: None,
             is_behind: false,
+            is_seen: false,
             bounds: None,
         }
     }
@@ -53,9 +56,9 @@ impl LazyPose {
         self.joints.as_ref()
     }
 
-    /// Whether nobody has looked at it since it got its weights and joints.
-    pub fn is_behind(&self) -> bool {
-        self.is_behind
+    /// Whether somebody has looked at it since it got its weights and joints.
+    pub fn is_seen(&self) -> bool {
+        self.is_seen
     }
 
     /// Sets the weights.
@@ -66,8 +69,7 @@ impl LazyPose {
         if self.weights != weights {
             self.bvh().model().check_weights(weights)?;
             weights.clone_into(&mut self.weights);
-            self.is_behind = true;
-            self.bounds = None;
+            self.change();
         }
         Ok(())
     }
@@ -77,8 +79,7 @@ impl LazyPose {
         let fits = self.bvh().model().joint_count() == Some(joints.count());
         if fits && !self.joints.as_ref().is_some_and(|own| own.is_drawn_as(joints)) {
             self.joints = Some(joints.clone());
-            self.is_behind = true;
-            self.bounds = None;
+            self.change();
         }
         fits
     }
@@ -91,8 +92,20 @@ impl LazyPose {
         }
     }
 
+    fn change(&mut self) {
+        self.is_behind = true;
+        self.is_seen = false;
+        self.bounds = None;
+    }
+
     /// The pose.
     pub fn get(&mut self) -> &mut Pose {
+        self.is_seen = true;
+        self.compare()
+    }
+
+    /// The pose, for a look that does not count, because nothing is kept of what it sees.
+    pub fn compare(&mut self) -> &mut Pose {
         if std::mem::take(&mut self.is_behind) {
             // Both were checked.
             let _fits = self.pose.set_weights(&self.weights);
@@ -103,7 +116,7 @@ impl LazyPose {
         &mut self.pose
     }
 
-    /// Finds a box that needs no pose, if there is one.
+    /// Finds a box that needs no pose, if there is one, until weights or joints change. Without it, bounds are those of the pose.
     pub fn find_bounds(&mut self) {
         self.bounds = self
             .joints

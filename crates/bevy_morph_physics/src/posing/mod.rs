@@ -6,6 +6,6 @@ mod placed_bounds;
 #[cfg(test)]
 mod tests;
 
-pub use joints::{SurfaceJoints, is_mirrored};
+pub use joints::SurfaceJoints;
 pub use lazy_pose::LazyPose;
 pub use placed_bounds::PlacedBounds;

@@ -18,25 +18,30 @@ pub struct PlacedBounds {
 const LARGEST: f32 = 1e15;
 
 impl PlacedBounds {
-    /// From a box around the drawn mesh. `missing` is the largest difference between 1 and the sum of a vertex's joint weights: it pulls the
-    /// drawn mesh to the origin of the world, and the surface to that of its collider.
+    /// From a box around the drawn mesh. `moved` is a bound on how far from the origin joints take vertices, apart from their translation.
+    /// `missing` is the largest difference between 1 and the sum of a vertex's joint weights: it pulls the drawn mesh to the origin of the
+    /// world, and the surface to that of its collider.
     ///
     /// `None` if the numbers are so large that conversions could overflow.
-    pub fn new(bounds: &morph_collision::Aabb, missing: f32, collider: Isometry) -> Option<Self> {
+    pub fn new(bounds: &morph_collision::Aabb, moved: f64, missing: f64, collider: Isometry) -> Option<Self> {
         let corners = [bounds.min, bounds.max];
         // False for NaN.
-        let fits = corners.map(|corner| corner.abs().max_element() <= LARGEST) == [true; 2];
-        // Joints in the collider's space are rounded.
-        let distances = corners.map(|corner| (corner - collider.translation).abs().max_element());
-        let rounding = 1e-6 * distances[0].max(distances[1]);
-        let pull = missing * collider.translation.abs().max_element();
-        fits.then(|| Self {
-            bounds: Aabb::new(bounds.min, bounds.max).loosened(rounding + pull),
+        let fits = |corner: Vec3| corner.abs().cmple(Vec3::splat(LARGEST)).all();
+        if !corners.into_iter().all(fits) {
+            return None;
+        }
+        let [min, max] = corners.map(Vec3::as_dvec3);
+        let place = collider.translation.as_dvec3();
+        let far = (min - place).abs().max((max - place).abs()).max_element();
+        // Joints in the collider's space are rounded, and again between frames.
+        let by = 1e-6 * (far + moved) + missing * place.abs().max_element();
+        Some(Self {
+            bounds: outward(min - by, max + by),
             collider,
         })
     }
 
-    /// A box around both, which are of the same collider.
+    /// A box around both, which are of one surface, whose collider may have moved.
     pub fn hull(&self, other: &Self) -> Self {
         if self.collider == other.collider {
             return Self {
@@ -64,11 +69,7 @@ impl PlacedBounds {
             to_collider.matrix3.z_axis,
         ];
         let half = DMat3::from_cols_array_2d(&columns.map(|column| column.abs().to_array())) * (0.5 * (max - min));
-        let outward = |corner: DVec3, round: fn(f32) -> f32| corner.as_vec3().map(round);
-        Aabb::new(
-            outward(middle - half, f32::next_down),
-            outward(middle + half, f32::next_up),
-        )
+        outward(middle - half, middle + half)
     }
 
     /// The box while the collider is at `place`.
@@ -86,4 +87,9 @@ impl PlacedBounds {
         let is_there = own.matrix3 == place.linear() && own.translation == place.translation();
         is_there.then_some(self.bounds)
     }
+}
+
+/// A box around one in `f64`.
+fn outward(min: DVec3, max: DVec3) -> Aabb {
+    Aabb::new(min.as_vec3().map(f32::next_down), max.as_vec3().map(f32::next_up))
 }

@@ -92,12 +92,12 @@ fn boxes_without_a_pose_hold_every_vertex_of_the_pose() {
                 (before.between(&numbers.joints(&later), 0.7), later)
             }
         };
-        assert!(pose.set_joints(&joints) && pose.is_behind());
+        assert!(pose.set_joints(&joints) && !pose.is_seen());
         pose.find_bounds();
         let (local, placed) = (pose.local_bounds(&WorldFromModel::IDENTITY), pose.bounds_at(&place));
         let world_from_model = WorldFromModel::new(affine_of(&place)).unwrap();
         let in_the_world = pose.world_bounds(&world_from_model);
-        without_pose += u32::from(pose.is_behind());
+        without_pose += u32::from(!pose.is_seen());
         in_world += u32::from(pose.bounds.is_some_and(|it| it.at_exactly(&world_from_model).is_some()));
         let vertices: Vec<Vec3> = (0..VERTICES as u32)
             .map(|vertex| pose.get().source_vertex(vertex).unwrap())
@@ -125,13 +125,13 @@ fn a_pose_that_nobody_looks_at_is_not_posed() {
     pose.set_weights(&[0.1, -0.1]).unwrap();
     pose.find_bounds();
     pose.local_bounds(&WorldFromModel::IDENTITY);
-    assert!(pose.is_behind() && pose.pose.weights() == [0.0; 2]);
+    assert!(!pose.is_seen() && pose.pose.weights() == [0.0; 2]);
     assert_ne!(pose.get().source_vertex(0), at_rest);
-    assert!(!pose.is_behind() && pose.pose.weights() == [0.1, -0.1]);
+    assert!(pose.is_seen() && pose.pose.weights() == [0.1, -0.1]);
     // The same again: nothing changes.
     pose.set_weights(&[0.1, -0.1]).unwrap();
     pose.set_joints(&joints);
-    assert!(!pose.is_behind());
+    assert!(pose.is_seen());
     pose.set_weights(&[f32::NAN, 0.0]).unwrap_err();
-    assert!(!pose.is_behind() && pose.weights() == [0.1, -0.1]);
+    assert!(pose.is_seen() && pose.weights() == [0.1, -0.1]);
 }

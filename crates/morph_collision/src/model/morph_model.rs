@@ -307,7 +307,9 @@ impl MorphModel {
         self.skin.as_ref()
     }
 
-    pub(crate) fn base_reach(&self) -> f32 {
+    /// The largest absolute coordinate of a vertex while all weights are 0.
+    #[must_use]
+    pub fn base_reach(&self) -> f32 {
         self.base_reach
     }
 

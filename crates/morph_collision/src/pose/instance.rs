@@ -223,8 +223,11 @@ impl Pose {
     /// For a skinned mesh it is the hull of one box per joint, around the vertices that the joint moves. It is looser than
     /// [`Pose::world_bounds`], but needs no node to be blended. For other meshes both are the same.
     ///
-    /// Cost for a skinned mesh: linear in the number of joints. After new weights, also in the number of targets that move each
-    /// joint's vertices. After [`Pose::refit`] the box around the root's children costs less and is returned instead.
+    /// If all weights together move no vertex by more than 1/16 of the mesh's size, the boxes are those at rest, widened by as much;
+    /// [`MorphBvh::broad_phase_bounds`] then returns the same box without a pose.
+    ///
+    /// Cost for a skinned mesh: linear in the numbers of joints and targets. After new weights that move vertices farther, also in the number
+    /// of targets that move each joint's vertices. After [`Pose::refit`] the box around the root's children costs less and is returned instead.
     pub fn broad_phase_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let is_refitted = self.is_refitted();
         let mut posed = self.posed_at(world_from_model);

@@ -2,7 +2,7 @@
 //! blended.
 //!
 //! Weights that move vertices little, as those of a face on a body do, blend nothing for it: it is made from the boxes at rest, widened by
-//! what the weights can do at most. Only the weights and joints decide that, so equal poses have equal boxes.
+//! what the weights can do at most. Only the weights decide that.
 
 use std::ops::RangeInclusive;
 
@@ -18,7 +18,7 @@ use crate::joints::JointMatrices;
 use crate::model::{MorphModel, Skin};
 use crate::tree::{JointBoxes, MorphBvh};
 
-/// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
+/// One box per joint around the vertices that it moves, before joints move them: blended for a pose's weights, if those at rest will not do.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JointHull {
     boxes: PartBoxes,
@@ -110,14 +110,22 @@ pub(super) struct Reach {
 
 impl Reach {
     pub(super) fn new(model: &MorphModel, weights: &[f32]) -> Self {
-        let of_target = |(weight, reach): (&f32, &f32)| f64::from(weight.abs()) * f64::from(*reach);
-        let of_targets: f64 = weights.iter().zip(model.target_reach()).map(of_target).sum();
-        let at_rest = f64::from(model.base_reach());
+        let (mut of_targets, mut active) = (0.0, 0_u32);
+        for (weight, reach) in weights.iter().zip(model.target_reach()) {
+            of_targets += f64::from(weight.abs()) * f64::from(*reach);
+            active += u32::from(*weight != 0.0);
+        }
+        let largest = f64::from(model.base_reach()) + of_targets;
+        // A vertex is blended in `f32`: for each target, a product and a sum of numbers up to this one, or subnormal ones.
+        let roundings = f64::from(2 * active + 8) * (f64::from(f32::EPSILON) * largest + f64::from(f32::MIN_POSITIVE));
         Self {
             // The factor covers the rounding of blends.
-            of_vertices: (at_rest + of_targets) * (1.0 + 1.5e-2),
-            // The rounding of sums, here and of exact vertices, is less than these shares.
-            of_weights: (1.0 + 1e-9) * of_targets + 1e-12 * at_rest,
+            of_vertices: largest * (1.0 + 1.5e-2),
+            of_weights: if active == 0 {
+                0.0
+            } else {
+                (1.0 + 1e-9) * of_targets + roundings
+            },
         }
     }
 }
@@ -180,8 +188,8 @@ impl<'a> HullBoxes<'a> {
 }
 
 impl MorphBvh {
-    /// A box in world space around a skinned mesh with these weights and joints, the same as that of [`Pose::broad_phase_bounds`], but without
-    /// a pose: for a character near which nothing is, nothing has to be set, and nothing is remembered.
+    /// A box in world space around a skinned mesh with these weights and joints, the same as that of
+    /// [`Pose::broad_phase_bounds`](crate::Pose::broad_phase_bounds) for a pose that is not refitted, but without a pose: for a character near which nothing is, nothing has to be set, and nothing is remembered.
     ///
     /// `None` if weights or joints do not fit, if the mesh is not skinned, or if the weights may move vertices far. Then, a pose has to blend
     /// boxes.
@@ -327,6 +335,27 @@ mod tests {
             }
         }
         assert!(kept > 200 && blended > 100, "{kept} at rest, {blended} blended");
+    }
+
+    #[test]
+    fn a_vertex_that_is_rounded_outward_is_inside() {
+        let base = [Vec3::X, Vec3::NEG_X, Vec3::Y];
+        let influences = Influences {
+            joints: &[[0; 4]; 3],
+            weights: &[[1.0, 0.0, 0.0, 0.0]; 3],
+        };
+        for by in [0.07, 0.01, 0.03] {
+            let target = [Vec3::X * by, Vec3::ZERO, Vec3::ZERO];
+            let model = MorphModel::skinned(&base, &[[0, 1, 2]], &[target], 1, &[influences]).unwrap();
+            let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+            pose.set_weights(&[1.0]).unwrap();
+            let joints = JointMatrices::new(&[Affine3A::from_translation(Vec3::NEG_X)]).unwrap();
+            pose.set_joints(&joints).unwrap();
+            let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
+            assert_eq!(pose.bvh().broad_phase_bounds(&[1.0], &joints), Some(bounds));
+            let vertex = pose.source_vertex(0).unwrap();
+            assert!(bounds.contains(vertex), "{vertex} outside {bounds:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`PosedVertices`] | one of eight vertices, or any box of their chunk | joints or weights change |
 //! | [`OuterBoxes`]: boxes of joints' parts | a node above the chunks | weights change |
-//! | [`JointHull`]: boxes of joints | the bounds of the whole body | weights change |
+//! | [`JointHull`]: boxes of joints | the bounds of the whole body, unless those at rest will do | weights change |
 
 use fearless_simd::Simd;
 use glam::DVec3;

@@ -180,6 +180,24 @@ fn an_arm_wakes_as_if_it_had_never_slept() {
 }
 
 #[test]
+fn an_arm_that_stops_between_frames_is_at_rest() {
+    let (mut app, arm) = app_with_arm();
+    app.insert_resource(TimestepMode::Interpolated {
+        dt: DT,
+        time_scale: 1.0,
+        substeps: 1,
+    });
+    let mut moving = Vec::new();
+    for i in 0..20 {
+        let turned = Transform::from_rotation(Quat::from_rotation_y(0.02 * i.min(10) as f32));
+        arm.pose(&mut app, [Transform::IDENTITY, turned]);
+        run(&mut app, 1);
+        moving.push(diagnostics(&app).moving);
+    }
+    assert_eq!((moving[8], &moving[15..]), (1, &[0; 5][..]), "{moving:?}");
+}
+
+#[test]
 fn an_arm_that_swells_throws_what_lies_on_it() {
     let (mut app, arm, cuboid) = box_on_arm(1.5);
     // Its top rises by 0.46 within a tenth of a second, while its joints stay.

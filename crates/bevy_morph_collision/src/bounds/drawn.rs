@@ -10,7 +10,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use morph_collision::{JointMatrices, MorphBvh, WorldFromModel};
+use morph_collision::{JointMatrices, MorphBvh, Pose, WorldFromModel};
 
 use super::changes::BoundsChanges;
 use super::culled::Culled;
@@ -114,46 +114,32 @@ impl DrawnMeshes<'_, '_> {
             0 => &[],
             count => drawn_weights(count, weights, &self.shared, &mut self.rest).ok()?,
         };
-        let joints = match tree.model().joint_count() {
-            Some(_) => Some(self.skeletons.of(skin?).current_matrices()?),
-            None => None,
-        };
-        let drawn = joints.map(|joints| Drawn {
+        let poses = (&self.colliders, &mut *self.poses);
+        if tree.model().joint_count().is_none() {
+            return ask_pose(poses, entity, key, tree, weights, None, |pose| around(&pose.bounds()));
+        }
+        let drawn = Drawn {
             tree,
             weights,
-            joints,
+            joints: self.skeletons.of(skin?).current_matrices()?,
             world_from_entity,
-        });
-        if let Some(drawn) = &drawn
-            && let Some(cached) = self.cached.get_mut(&entity)
-        {
+        };
+        if let Some(cached) = self.cached.get_mut(&entity) {
             cached.is_used = true;
-            if cached.is_of(drawn) {
+            if cached.is_of(&drawn) {
                 return Some(cached.aabb);
             }
         }
-        // A collider has often been posed like this already.
-        let own = self.colliders.get(entity).ok().and_then(|state| state.pose.as_ref());
-        let mut own = own.map(LockedPose::lock);
-        let own = own
-            .as_deref_mut()
-            .filter(|pose| Arc::ptr_eq(pose.bvh(), tree) && pose.joints() == joints && pose.weights() == weights);
-        let pose = match own {
-            Some(pose) => pose,
-            None => {
-                let pose = self.poses.lend(key, tree);
-                pose.set_weights(weights).ok()?;
-                if let Some(joints) = joints {
-                    pose.set_joints(joints).ok()?;
-                }
-                pose
-            }
-        };
-        let Some(drawn) = drawn else {
-            return Some(around(&pose.bounds()));
-        };
         let aabb = match WorldFromModel::new(world_from_entity.affine()) {
-            Ok(affine) => around_in(&pose.local_bounds(&affine), world_from_entity),
+            Ok(place) => {
+                let bounds = match tree.local_bounds(weights, drawn.joints, &place) {
+                    Some(bounds) => bounds,
+                    None => ask_pose(poses, entity, key, tree, weights, Some(drawn.joints), |pose| {
+                        pose.local_bounds(&place)
+                    })?,
+                };
+                around_in(&bounds, world_from_entity)
+            }
             Err(_) => UNBOUNDED,
         };
         match self.cached.get_mut(&entity) {
@@ -162,6 +148,33 @@ impl DrawnMeshes<'_, '_> {
         }
         Some(aabb)
     }
+}
+
+/// Asks a pose of a mesh as it is drawn. `None` if the mesh does not accept the weights or joints.
+fn ask_pose<R>(
+    (colliders, poses): (&Query<&ColliderState>, &mut LentPoses),
+    entity: Entity,
+    key: TreeKey,
+    tree: &Arc<MorphBvh>,
+    weights: &[f32],
+    joints: Option<&JointMatrices>,
+    ask: impl FnOnce(&mut Pose) -> R,
+) -> Option<R> {
+    // A collider has often been posed like this already.
+    let own = colliders.get(entity).ok().and_then(|state| state.pose.as_ref());
+    if let Some(mut pose) = own.map(LockedPose::lock)
+        && Arc::ptr_eq(pose.bvh(), tree)
+        && pose.joints() == joints
+        && pose.weights() == weights
+    {
+        return Some(ask(&mut pose));
+    }
+    let pose = poses.lend(key, tree);
+    pose.set_weights(weights).ok()?;
+    if let Some(joints) = joints {
+        pose.set_joints(joints).ok()?;
+    }
+    Some(ask(pose))
 }
 
 impl CachedBounds {

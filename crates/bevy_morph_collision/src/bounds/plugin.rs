@@ -20,8 +20,8 @@ use crate::setup::TreesPlugin;
 /// the rest pose, or for skinned meshes one that only accounts for joints, so meshes can vanish at the edge of the screen.
 ///
 /// Works with or without [`MorphCollisionPlugin`](crate::plugins::MorphCollisionPlugin), for every mesh with [`MeshMorphWeights`] or
-/// [`SkinnedMesh`], whether it collides or not. The box is conservative: it comes from the topmost boxes of the mesh's tree. It
-/// is only written when it changes. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that
+/// [`SkinnedMesh`], whether it collides or not. The box is conservative: it comes from the topmost boxes of the mesh's
+/// tree, or for a skinned mesh from one box per joint. It is only written when it changes. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that
 /// cannot be used keeps Bevy's box permanently, and the log says why.
 ///
 /// Cost per mesh: `O(active targets)`; for a skinned mesh also `O(joints)`. If no joint has moved, each joint is only checked for

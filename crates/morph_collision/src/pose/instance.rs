@@ -207,14 +207,14 @@ impl Pose {
     /// Returns a conservative box around the posed mesh in the model space of an entity at `world_from_model`. Use it for culling.
     ///
     /// For a mesh without joints it is [`Pose::bounds`], wherever the entity is. The vertices of a skinned mesh are in world space; the
-    /// box contains the exact point of model space that `world_from_model` takes to each of them. Rotating a character together with its
-    /// entity does not make the box larger, as it does with [`Pose::world_bounds`]. The box is infinite if `world_from_model` cannot be
-    /// inverted. Cost: an image of a box for each joint and child of the root.
+    /// box contains the exact point of model space that `world_from_model` takes to each of them. It is made as [`Pose::broad_phase_bounds`]
+    /// is, but rotating a character together with its entity does not make it larger. The box is infinite if `world_from_model` cannot
+    /// be inverted. Cost: as [`Pose::broad_phase_bounds`]. [`MorphBvh::local_bounds`] returns the same box without a pose if weights move vertices little.
     pub fn local_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         if self.skinning.is_none() {
             return self.bounds();
         }
-        let bounds = self.posed().skinned_bounds_in(world_from_model);
+        let bounds = self.posed().hull_of_joints_in(world_from_model);
         bounds.unwrap_or(Aabb::UNBOUNDED)
     }
 

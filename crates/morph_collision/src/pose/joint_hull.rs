@@ -10,10 +10,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x4};
 use glam::DVec3;
 
-use super::outer_boxes::EntitySpace;
 use super::part_boxes::{PartBoxes, Parts};
 use super::skin_tree::SkinTree;
-use crate::bounds::{Aabb, CenteredLanes, Extent, MapFrame, with_simd};
+use crate::bounds::{Aabb, CenteredLanes, Extent, MapFrame, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::{MorphModel, Skin};
 use crate::tree::{JointBoxes, MorphBvh};
@@ -36,57 +35,52 @@ impl JointHull {
         self.boxes.bytes()
     }
 
-    /// A box in world space that contains every vertex, exact or rounded.
-    ///
-    /// A vertex is the sum of its weights times a point in the hull of its joints' images. `error` is a bound on the rounding errors of
-    /// vertices, which is larger than those of the hull.
+    /// A box in world space that contains every vertex. `error` is a bound on the rounding errors of vertices.
     ///
     /// It is kept until joints or weights change, because a physics step asks for it several times.
     pub(super) fn around(&mut self, tree: SkinTree<'_>, joints: &JointMatrices, reach: &Reach, error: f64) -> Aabb {
         if let Some(known) = self.world {
             return known;
         }
-        let bounds = match self.boxes_for(tree, reach) {
-            Some(boxes) => boxes.in_world(tree.level, joints, sums(tree.model), error),
-            None => Aabb::UNBOUNDED,
-        };
+        let hull = self.hull(tree, reach, error);
+        let bounds = hull.map_or(Aabb::UNBOUNDED, |hull| hull.in_world(tree.level, joints));
         self.world = Some(bounds);
         bounds
     }
 
-    /// Like [`JointHull::around`], in the model space of an entity. The box contains the exact preimage of every vertex. It is infinite if
-    /// the space cannot be inverted.
+    /// Like [`JointHull::around`], in the model space of an entity.
     pub(super) fn around_in(
         &mut self,
         tree: SkinTree<'_>,
         joints: &JointMatrices,
         reach: &Reach,
-        EntitySpace { place, frame, error }: &EntitySpace<'_>,
+        error: f64,
+        place: &WorldFromModel,
     ) -> Aabb {
-        let sums = sums(tree.model);
-        let far = joints.world_reach(reach.of_vertices) + place.translation().abs().max_element();
-        let (Some(boxes), Some(rounding)) = (
-            self.boxes_for(tree, reach),
-            place.model_error(far * sums.end().max(1.0), *error),
-        ) else {
-            return Aabb::UNBOUNDED;
-        };
-        let hull = with_simd!(tree.level, simd => boxes.images(simd, joints, Some(frame)));
-        pulled(hull, place.model_origin(), sums, rounding)
+        let hull = self.hull(tree, reach, error);
+        hull.map_or(Aabb::UNBOUNDED, |hull| hull.in_entity(tree.level, joints, place))
     }
 
-    /// The boxes at rest if they will do, or else blended ones; `None` if coordinates are too large to compute with.
-    fn boxes_for<'a>(&'a mut self, tree: SkinTree<'a>, reach: &Reach) -> Option<HullBoxes<'a>> {
+    /// From boxes at rest if they will do, or else from blended ones; `None` if coordinates are too large to compute with.
+    fn hull<'a>(&'a mut self, tree: SkinTree<'a>, reach: &Reach, error: f64) -> Option<Hull<'a>> {
         let joints = &tree.skin.joints;
-        if let Some(boxes) = HullBoxes::at_rest(joints, reach) {
-            return Some(boxes);
-        }
-        let parts = self.parts(tree)?;
-        Some(HullBoxes {
-            joints,
-            still: parts.still,
-            moved: parts.moved,
-            widening: 0.0,
+        let boxes = match HullBoxes::at_rest(joints, reach) {
+            Some(boxes) => boxes,
+            None => {
+                let parts = self.parts(tree)?;
+                HullBoxes {
+                    joints,
+                    still: parts.still,
+                    moved: parts.moved,
+                    widening: 0.0,
+                }
+            }
+        };
+        Some(Hull {
+            boxes,
+            sums: tree.model.skin().map_or(1.0..=1.0, Skin::sums),
+            reach: reach.of_vertices,
+            error,
         })
     }
 
@@ -153,12 +147,6 @@ impl<'a> HullBoxes<'a> {
         })
     }
 
-    /// A box in world space that contains every vertex, exact or rounded by at most `error`.
-    fn in_world(&self, level: Level, joints: &JointMatrices, sums: RangeInclusive<f64>, error: f64) -> Aabb {
-        let hull = with_simd!(level, simd => self.images(simd, joints, None));
-        pulled(hull, DVec3::ZERO, sums, DVec3::splat(2.0 * error))
-    }
-
     /// The hull of the images of the boxes, each under its joint, in world space or in another frame.
     #[inline(always)]
     fn images<S: Simd>(&self, simd: S, joints: &JointMatrices, frame: Option<&MapFrame>) -> Extent {
@@ -187,9 +175,40 @@ impl<'a> HullBoxes<'a> {
     }
 }
 
+/// What bounds a body. A vertex is the sum of its weights times a point in the hull of its joints' images.
+struct Hull<'a> {
+    boxes: HullBoxes<'a>,
+    /// A range that contains the sum of every vertex's weights.
+    sums: RangeInclusive<f64>,
+    /// As [`Reach::of_vertices`].
+    reach: f64,
+    /// A bound on the rounding errors of vertices, which is larger than those of the hull.
+    error: f64,
+}
+
+impl Hull<'_> {
+    /// A box in world space that contains every vertex, exact or rounded.
+    fn in_world(self, level: Level, joints: &JointMatrices) -> Aabb {
+        let images = with_simd!(level, simd => self.boxes.images(simd, joints, None));
+        pulled(images, DVec3::ZERO, self.sums, DVec3::splat(2.0 * self.error))
+    }
+
+    /// A box in the model space of an entity that contains the exact preimage of every vertex, exact or rounded. It is infinite if the space
+    /// cannot be inverted.
+    fn in_entity(self, level: Level, joints: &JointMatrices, place: &WorldFromModel) -> Aabb {
+        let far = joints.world_reach(self.reach) + place.translation().abs().max_element();
+        let Some(rounding) = place.model_error(far * self.sums.end().max(1.0), self.error) else {
+            return Aabb::UNBOUNDED;
+        };
+        let frame = MapFrame::new(place);
+        let images = with_simd!(level, simd => self.boxes.images(simd, joints, Some(&frame)));
+        pulled(images, place.model_origin(), self.sums, rounding)
+    }
+}
+
 impl MorphBvh {
-    /// A box in world space around a skinned mesh with these weights and joints, the same as that of
-    /// [`Pose::broad_phase_bounds`](crate::Pose::broad_phase_bounds) for a pose that is not refitted, but without a pose: for a character near which nothing is, nothing has to be set, and nothing is remembered.
+    /// A box in world space around a skinned mesh with these weights and joints: that of
+    /// [`Pose::broad_phase_bounds`](crate::Pose::broad_phase_bounds) unless the pose is refitted. No pose has to be set for it.
     ///
     /// `None` if weights or joints do not fit, if the mesh is not skinned, or if the weights may move vertices far. Then, a pose has to blend
     /// boxes.
@@ -197,26 +216,44 @@ impl MorphBvh {
     /// Cost: linear in the numbers of joints and targets.
     #[must_use]
     pub fn broad_phase_bounds(&self, weights: &[f32], joints: &JointMatrices) -> Option<Aabb> {
+        let at_rest = self.at_rest(weights, joints)?;
+        Some(at_rest.in_world(self.kernel().level, joints))
+    }
+
+    /// A box in the model space of an entity at `world_from_model` around a skinned mesh with these weights and joints: that of
+    /// [`Pose::local_bounds`](crate::Pose::local_bounds). No pose has to be set for it.
+    ///
+    /// `None` and cost: as [`MorphBvh::broad_phase_bounds`].
+    #[must_use]
+    pub fn local_bounds(
+        &self,
+        weights: &[f32],
+        joints: &JointMatrices,
+        world_from_model: &WorldFromModel,
+    ) -> Option<Aabb> {
+        let at_rest = self.at_rest(weights, joints)?;
+        Some(at_rest.in_entity(self.kernel().level, joints, world_from_model))
+    }
+
+    fn at_rest(&self, weights: &[f32], joints: &JointMatrices) -> Option<Hull<'_>> {
         let (model, tables) = (self.model(), self.skin.as_ref()?);
         let skin = model.skin()?;
         if model.joint_count() != Some(joints.len()) || model.check_weights(weights).is_err() {
             return None;
         }
         let reach = Reach::new(model, weights);
-        let boxes = HullBoxes::at_rest(&tables.joints, &reach)?;
-        let error = placement_error(skin, joints, reach.of_vertices);
-        Some(boxes.in_world(self.kernel().level, joints, skin.sums(), error))
+        Some(Hull {
+            boxes: HullBoxes::at_rest(&tables.joints, &reach)?,
+            sums: skin.sums(),
+            reach: reach.of_vertices,
+            error: placement_error(skin, joints, reach.of_vertices),
+        })
     }
 }
 
 /// A bound on the rounding error of world positions: a product and a sum per influence for the matrix, and three of each for the position.
 pub(super) fn placement_error(skin: &Skin, joints: &JointMatrices, reach: f64) -> f64 {
     4.0 * skin.most_influences() as f64 * f64::EPSILON * skin.max_sum() * joints.world_reach(reach)
-}
-
-/// A range that contains the sum of every vertex's weights.
-fn sums(model: &MorphModel) -> RangeInclusive<f64> {
-    model.skin().map_or(1.0..=1.0, Skin::sums)
 }
 
 /// The hull of vertices that joints take into `hull` and whose weights sum to numbers in `sums`, widened on all sides. The missing weight
@@ -306,6 +343,8 @@ mod tests {
     fn the_box_without_a_pose_is_that_of_the_pose_and_holds_every_vertex() {
         let mut pose = strip();
         let bvh = pose.bvh().clone();
+        let turned = Affine3A::from_rotation_translation(glam::Quat::from_rotation_x(0.7), Vec3::new(4.0, -1.0, 2.0));
+        let (turned, place) = (WorldFromModel::new(turned).unwrap(), WorldFromModel::IDENTITY);
         let (mut kept, mut blended) = (0, 0);
         for step in 0..400_u16 {
             let turn = f32::from(step) * 0.1;
@@ -321,11 +360,12 @@ mod tests {
             let joints = JointMatrices::new(&joints).unwrap();
             pose.set_joints(&joints).unwrap();
             pose.set_weights(&[weight]).unwrap();
-            let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
-            match bvh.broad_phase_bounds(&[weight], &joints) {
+            let (bounds, local) = (pose.broad_phase_bounds(&place), pose.local_bounds(&turned));
+            let without = bvh.broad_phase_bounds(&[weight], &joints);
+            match without.zip(bvh.local_bounds(&[weight], &joints, &turned)) {
                 Some(known) => {
                     kept += 1;
-                    assert_eq!(known, bounds, "weight {weight}");
+                    assert_eq!(known, (bounds, local), "weight {weight}");
                 }
                 None => blended += 1,
             }
@@ -365,6 +405,11 @@ mod tests {
         assert!(bvh.broad_phase_bounds(&[1.0], &joints).is_some());
         for weights in [&[][..], &[1.0, 1.0], &[f32::NAN], &[f32::INFINITY], &[7.0]] {
             assert_eq!(bvh.broad_phase_bounds(weights, &joints), None, "{weights:?}");
+            assert_eq!(
+                bvh.local_bounds(weights, &joints, &WorldFromModel::IDENTITY),
+                None,
+                "{weights:?}"
+            );
         }
         let one = JointMatrices::new(&[Affine3A::IDENTITY]).unwrap();
         assert_eq!(bvh.broad_phase_bounds(&[1.0], &one), None);

@@ -71,18 +71,11 @@ impl<'a> Posed<'a> {
         Some(skinning.world_bounds(tree))
     }
 
-    /// A box in the model space of an entity around a skinned mesh: the intersection of the box from one box per joint with the hull of
-    /// those of the root's children.
-    pub(super) fn skinned_bounds_in(&mut self, place: &WorldFromModel) -> Option<Aabb> {
-        let (tree, top) = (self.skin_tree()?, self.top_group());
-        let (Source::Outer(outer), (_, skinning)) = (tree.skin.chunks.source(top), self.skin.as_mut()?) else {
-            return None;
-        };
-        let mut boxes = BoxLanes::default();
-        let of_joints = skinning.bounds_in(tree, place, outer, &mut boxes);
-        let children = self.topology.group(top).children().len();
-        let of_children = with_simd!(self.level, simd => boxes.hull(simd, children));
-        Some(of_children.intersection(&of_joints))
+    /// The same in the model space of an entity.
+    pub(super) fn hull_of_joints_in(&mut self, place: &WorldFromModel) -> Option<Aabb> {
+        let tree = self.skin_tree()?;
+        let (_, skinning) = self.skin.as_mut()?;
+        Some(skinning.bounds_in(tree, place))
     }
 
     pub(super) fn skin_tree(&self) -> Option<SkinTree<'a>> {

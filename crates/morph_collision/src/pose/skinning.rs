@@ -10,11 +10,11 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::joint_hull::{JointHull, Reach, placement_error};
-use super::outer_boxes::{EntitySpace, OuterBoxes};
+use super::outer_boxes::OuterBoxes;
 use super::part_boxes::Parts;
 use super::posed_vertices::PosedVertices;
 use super::skin_tree::{MAX_REACH, SkinTree};
-use crate::bounds::{Aabb, BoxLanes, MapFrame, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::{MorphModel, Skin, Weights};
 use crate::tree::SkinTables;
@@ -146,7 +146,7 @@ impl Skinning {
 
     /// Boxes around the children of a group above the chunks, in the body's frame.
     pub(super) fn outer(&mut self, tree: SkinTree<'_>, outer: usize, boxes: &mut BoxLanes) {
-        self.outer.compute(tree, outer, &self.joints, &self.origin, boxes);
+        self.outer.compute(tree, outer, &self.joints, self.origin, boxes);
     }
 
     /// A box in world space around all vertices.
@@ -154,21 +154,9 @@ impl Skinning {
         self.hull.around(tree, &self.joints, &self.reach, self.error)
     }
 
-    /// A box around all vertices in the model space of an entity, and boxes there around the children of a group above the chunks.
-    pub(super) fn bounds_in(
-        &mut self,
-        tree: SkinTree<'_>,
-        place: &WorldFromModel,
-        outer: usize,
-        boxes: &mut BoxLanes,
-    ) -> Aabb {
-        let space = EntitySpace {
-            place,
-            frame: MapFrame::new(place),
-            error: self.error,
-        };
-        self.outer.compute(tree, outer, &self.joints, &space, boxes);
-        self.hull.around_in(tree, &self.joints, &self.reach, &space)
+    /// A box around all vertices in the model space of an entity.
+    pub(super) fn bounds_in(&mut self, tree: SkinTree<'_>, place: &WorldFromModel) -> Aabb {
+        self.hull.around_in(tree, &self.joints, &self.reach, self.error, place)
     }
 
     /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.

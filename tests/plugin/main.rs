@@ -20,6 +20,7 @@ mod events;
 mod files;
 mod group;
 mod head;
+mod hooks;
 mod integration;
 mod levels;
 mod life_cycle;

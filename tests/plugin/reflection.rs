@@ -36,6 +36,7 @@ fn for_each_component(entity: Entity, mut each: impl EachComponent) {
     each.of(MorphBodyRoot);
     each.of(MorphCollisionLayers::new(1, 2));
     each.of(MorphCollisionEventsEnabled);
+    each.of(MorphActiveCollisionHooks::FILTER_PAIRS);
     each.of(MorphCollidingEntities::default());
     each.of(MorphShape::from(Capsule3d::new(0.5, 2.0)));
     each.of(MorphSurfaceAnchor::new(entity, 3, Vec3::X).with_offset(0.5));
@@ -166,6 +167,7 @@ fn every_component_survives_a_scene_file() {
         .allow_component::<MorphBodyRoot>()
         .allow_component::<MorphCollisionLayers>()
         .allow_component::<MorphCollisionEventsEnabled>()
+        .allow_component::<MorphActiveCollisionHooks>()
         .allow_component::<MorphCollidingEntities>()
         .allow_component::<MorphShape>()
         .allow_component::<MorphSurfaceAnchor>()

@@ -20,6 +20,7 @@
 //!   `CollidingEntities`, `ActiveCollisionHooks`, `ColliderDisabled`.
 //! - [`MorphAvianCarry`] lets surfaces carry a character that your game moves itself, for example with `MoveAndSlide`.
 //! - [`MorphAvianVelocity`] reads the velocity of a surface, for other character controllers.
+//! - [`MorphAvianLayers`] converts collision layers.
 //! - [`MorphAvianPart`] marks the bodies with which surfaces push, which you can see in Avian's `ContactGraph`.
 //!
 //! The crate [`bevy_morph_physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
@@ -29,7 +30,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugin > step, characters > surface > push > isometry, whole_surface
+//! plugin, layers > step, characters > surface > push > isometry, whole_surface
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -38,6 +39,7 @@
 
 mod characters;
 mod isometry;
+mod layers;
 mod plugin;
 mod push;
 mod step;
@@ -46,13 +48,14 @@ mod whole_surface;
 
 pub use bevy_morph_physics::{MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene};
 pub use characters::MorphAvianCarry;
+pub use layers::MorphAvianLayers;
 pub use plugin::{MorphAvianPlugin, MorphAvianSystems, ScheduledMorphAvianPlugin};
 pub use push::MorphAvianPart;
 pub use surface::MorphAvianVelocity;
 
 /// What a game with Avian names.
 pub mod prelude {
-    pub use crate::{MorphAvianCarry, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity};
+    pub use crate::{MorphAvianCarry, MorphAvianLayers, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity};
     pub use bevy_morph_physics::prelude::*;
 }
 

@@ -59,7 +59,8 @@
 //! # App::new().add_systems(Startup, spawn);
 //! ```
 //!
-//! [`MorphCollisionLayers`](components::MorphCollisionLayers) decide what collides with what.
+//! [`MorphCollisionLayers`](components::MorphCollisionLayers) decide what collides with what. For rules that depend on more than that, such as
+//! teams, owners and one-way surfaces, there are [hooks](hooks::MorphCollisionHooks).
 //!
 //! ## Find out what touches
 //!
@@ -168,6 +169,7 @@
 //! 2. **Weights** (`posing`): remembers each collider's previous state, then sets its pose to the current weights and joint matrices.
 //! 3. **Broad phase** (`broad_phase`): finds pairs of colliders whose world-space boxes overlap and that
 //!    [`MorphCollisionLayers`](components::MorphCollisionLayers) and [`MorphCollisionMode`](components::MorphCollisionMode)s allow.
+//!    [`hooks`] are asked about these.
 //! 4. **Narrow phase** (`narrow_phase`, [`self_collisions`]): finds exact triangle pairs and contacts and stores them in
 //!    [`MorphCollisions`](contacts::MorphCollisions), by collider and by body. Finds where meshes intersect themselves.
 //! 5. **Events** ([`events`]): reports which contacts of colliders and bodies started or ended since the last run, and updates
@@ -180,7 +182,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugins, physics_api > misuse > bounds, surface > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
+//! plugins, physics_api > misuse > bounds, surface, hooks > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
 //!     > state > import, contacts > components, app
 //! ```
 #![forbid(unsafe_code)]
@@ -196,6 +198,7 @@ pub mod components;
 pub mod contacts;
 pub mod debug;
 pub mod events;
+pub mod hooks;
 pub mod import;
 mod misuse;
 mod narrow_phase;
@@ -217,9 +220,9 @@ pub mod prelude {
     pub use crate::app::MorphCollisionSystems;
     pub use crate::bounds::MorphBoundsPlugin;
     pub use crate::components::{
-        MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
-        MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionMode, MorphCollisionSettings, MorphShape,
-        MorphTeleported, MorphTreeOptions,
+        MorphActiveCollisionHooks, MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf,
+        MorphColliderScene, MorphColliders, MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionMode,
+        MorphCollisionSettings, MorphLayerMask, MorphShape, MorphTeleported, MorphTreeOptions,
     };
     pub use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint, MorphImpact, MorphImpactFeatures};
     #[cfg(feature = "diagnostics")]
@@ -229,8 +232,9 @@ pub mod prelude {
     pub use crate::events::{
         MorphBodyCollisionEnd, MorphBodyCollisionStart, MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart,
     };
+    pub use crate::hooks::{MorphCandidatePair, MorphCollisionHooks};
     pub use crate::import::{MorphTreeFilesPlugin, MorphTreeFrom, MorphTrees};
-    pub use crate::plugins::{MorphCollisionPlugin, MorphPlugins};
+    pub use crate::plugins::{MorphCollisionHooksPlugin, MorphCollisionPlugin, MorphPlugins};
     pub use crate::self_collisions::{
         MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,
     };

@@ -20,6 +20,7 @@
 //!   `ColliderDisabled`. Scale and shear of the entity work without `ColliderScale`.
 //! - [`MorphCharacterCarry`] says how surfaces carry a `KinematicCharacterController`.
 //! - [`MorphRapierVelocity`] reads the velocity of a surface, for other character controllers.
+//! - [`MorphRapierLayers`] converts collision groups.
 //! - [`MorphQueryDispatcher`] answers Rapier's queries about surfaces. The plugin gives it to every new physics context.
 //!
 //! The crate [`bevy_morph_physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
@@ -29,7 +30,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugin > step, characters > surface > push > queries, timestep
+//! plugin, layers > step, characters > surface > push > queries, timestep
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -37,6 +38,7 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 mod characters;
+mod layers;
 mod plugin;
 mod push;
 mod queries;
@@ -48,13 +50,14 @@ pub use bevy_morph_physics::{
     MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene, MorphSurface,
 };
 pub use characters::MorphCharacterCarry;
+pub use layers::MorphRapierLayers;
 pub use plugin::{MorphRapierPlugin, MorphRapierSystems, ScheduledMorphRapierPlugin};
 pub use queries::MorphQueryDispatcher;
 pub use surface::MorphRapierVelocity;
 
 /// What a game with Rapier names.
 pub mod prelude {
-    pub use crate::{MorphCharacterCarry, MorphRapierPlugin, MorphRapierVelocity};
+    pub use crate::{MorphCharacterCarry, MorphRapierLayers, MorphRapierPlugin, MorphRapierVelocity};
     pub use bevy_morph_physics::prelude::*;
 }
 

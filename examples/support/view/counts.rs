@@ -14,6 +14,7 @@ pub(super) fn work(diagnostics: &MorphCollisionDiagnostics) -> Lines {
         diagnostics.skipped_same_body,
         diagnostics.skipped_layers,
         diagnostics.skipped_passive,
+        diagnostics.skipped_hooks,
         diagnostics.skipped_rigid,
     ];
     vec![

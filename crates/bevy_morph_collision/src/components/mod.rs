@@ -2,7 +2,7 @@
 //!
 //! - `collider`, `shape`: an entity that collides, with its mesh or as a primitive shape.
 //! - `scene`: a scene whose meshes become colliders. `body`: colliders that form one body.
-//! - `layers`: what collides with what. `events_enabled`: which colliders get events.
+//! - `layers`: what collides with what. `active_hooks`: which colliders ask the app's own rules. `events_enabled`: which colliders get events.
 //! - `teleported`: an entity that was put somewhere else.
 //! - `settings`: settings for the whole app. `tree_options`: how trees are built.
 //!
@@ -10,6 +10,7 @@
 //! [`MorphSelfCollisions`](crate::self_collisions::MorphSelfCollisions) and
 //! [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor).
 
+mod active_hooks;
 mod body;
 mod collider;
 mod events_enabled;
@@ -22,11 +23,12 @@ mod tree_options;
 
 use bevy::prelude::*;
 
+pub use active_hooks::MorphActiveCollisionHooks;
 pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
 pub(crate) use body::{body_of, give_body};
 pub use collider::{MorphCollider, MorphColliderDisabled, MorphCollisionMode};
 pub use events_enabled::MorphCollisionEventsEnabled;
-pub use layers::MorphCollisionLayers;
+pub use layers::{MorphCollisionLayers, MorphLayerMask};
 pub use scene::MorphColliderScene;
 pub use settings::MorphCollisionSettings;
 pub(crate) use settings::is_running;
@@ -41,6 +43,7 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<MorphColliderDisabled>()
         .register_type::<MorphCollisionMode>()
         .register_type::<MorphCollisionLayers>()
+        .register_type::<MorphActiveCollisionHooks>()
         .register_type::<MorphShape>()
         .register_type::<MorphColliderScene>()
         .register_type::<MorphColliderOf>()

@@ -23,7 +23,8 @@ pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &
     }
     let is_idle_root = subject.body_root && (around.settings.every_deforming_mesh.is_none() || !is_body);
     let is_idle_list = subject.colliding && !is_body;
-    if !is_idle_root && !is_idle_list {
+    let are_idle_hooks = subject.hooks && (around.hooks.is_none() || !is_body);
+    if !is_idle_root && !is_idle_list && !are_idle_hooks {
         return Verdict::Done;
     }
     if is_new || around.spawned.any_is_pending(&around.names) {
@@ -52,6 +53,17 @@ pub(super) fn check(subject: &SubjectItem, around: &Around, is_new: bool, log: &
                  the entity with `MorphColliderScene`",
                 around.name(entity)
             )
+        });
+    }
+    if are_idle_hooks {
+        log.warn("MorphActiveCollisionHooks", around.about(entity), || {
+            let why = if around.hooks.is_none() {
+                "the app has no hooks. Add them with `MorphCollisionHooksPlugin`"
+            } else {
+                "the entity is neither a collider nor a body. Put it on one, such as the entity with `MorphColliderScene`"
+            };
+            let name = around.name(entity);
+            format!("`MorphActiveCollisionHooks` has no effect on entity {name}: {why}")
         });
     }
     Verdict::Done

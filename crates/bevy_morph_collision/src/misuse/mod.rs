@@ -30,8 +30,8 @@ use bevy::prelude::*;
 
 use crate::app::{MorphCollisionSystems, Suspects};
 use crate::components::{
-    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionEventsEnabled,
-    MorphCollisionLayers, MorphTeleported, MorphTreeOptions,
+    MorphActiveCollisionHooks, MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf,
+    MorphCollisionEventsEnabled, MorphCollisionLayers, MorphTeleported, MorphTreeOptions,
 };
 use crate::events::MorphCollidingEntities;
 use crate::import;
@@ -54,6 +54,7 @@ type Watched = (
     MorphColliderOf,
     MorphBodyRoot,
     MorphTeleported,
+    MorphActiveCollisionHooks,
 );
 
 /// Adds the checks to an app.

@@ -11,11 +11,12 @@ use bevy::prelude::*;
 use super::physics::ColliderComponents;
 use crate::app::Names;
 use crate::components::{
-    MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
-    MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionSettings, MorphShape, MorphTeleported,
-    MorphTreeOptions,
+    MorphActiveCollisionHooks, MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf,
+    MorphColliderScene, MorphColliders, MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionSettings,
+    MorphShape, MorphTeleported, MorphTreeOptions,
 };
 use crate::events::MorphCollidingEntities;
+use crate::hooks::HooksInApp;
 use crate::import::{MorphTrees, TreeKey};
 use crate::self_collisions::MorphSelfCollisions;
 use crate::setup::{Hierarchy, SpawnedScenes, TreeUser};
@@ -41,6 +42,7 @@ pub(super) struct Subject {
     pub(super) parts: Has<MorphColliders>,
     pub(super) body_root: Has<MorphBodyRoot>,
     pub(super) teleported: Has<MorphTeleported>,
+    pub(super) hooks: Has<MorphActiveCollisionHooks>,
     /// Tells which components of other crates it has.
     pub(super) archetype: &'static Archetype,
 }
@@ -56,6 +58,7 @@ pub(super) struct Around<'w, 's> {
     pub(super) trees: Res<'w, MorphTrees>,
     pub(super) settings: Res<'w, MorphCollisionSettings>,
     pub(super) others: Res<'w, ColliderComponents>,
+    pub(super) hooks: Option<Res<'w, HooksInApp>>,
 }
 
 impl Around<'_, '_> {

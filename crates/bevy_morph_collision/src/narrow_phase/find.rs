@@ -8,6 +8,7 @@ use tracing::debug_span;
 
 use super::builders::Builders;
 use super::comparison::{BatchResult, Comparison, Job, Outcome, Pair, wants_all};
+use super::found::FoundContacts;
 use super::memories::{Memories, keep_memories};
 use super::participant::PlacedCollider;
 use super::starts::Starts;
@@ -37,19 +38,17 @@ pub(crate) struct NarrowPhase {
     next_memories: Memories,
     /// Where colliders of continuous pairs were in the last run.
     starts: Starts,
-    outcomes: Vec<(Pair, Outcome)>,
-    /// The number of triangle pairs in all contacts.
-    triangle_pairs: u64,
 }
 
 /// Finds out for every candidate pair whether and where it touches. Queries all pairs of meshes at once, on Bevy's threads.
 ///
-/// A pair keeps its answer if neither collider changed.
+/// A pair keeps its answer if neither collider changed, unless hooks have a say in it.
 pub(crate) fn find_contacts(
     candidates: Res<Candidates>,
     mut runs: ResMut<Runs>,
     mut colliders: Query<(Entity, &mut ColliderState)>,
-    mut collisions: ResMut<MorphCollisions>,
+    collisions: Res<MorphCollisions>,
+    mut found: ResMut<FoundContacts>,
     settings: Res<MorphCollisionSettings>,
     times: Res<RunTimes>,
     mut phase: Local<NarrowPhase>,
@@ -57,43 +56,22 @@ pub(crate) fn find_contacts(
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::narrow_phase").entered();
-    let collisions = &mut *collisions;
-    collisions.begin_run();
     let phase = &mut *phase;
     let limit = settings.list_limit();
     phase.compare_all = std::mem::replace(&mut phase.limit, limit) != limit;
-    if runs.compare(phase.compare_all) {
-        phase.outcomes.clear();
+    let outcomes = found.begin_run();
+    if runs.compare(phase.compare_all || candidates.hooked.any_changed()) {
         phase.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
-        let unchanged = phase.compare_pairs(&candidates, &mut colliders, collisions, &mut diagnostics);
+        let unchanged = phase.compare_pairs(&candidates, &mut colliders, &collisions, outcomes, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
-        take_over(collisions, &candidates.pairs, &mut phase.outcomes);
         for (_, mut state) in &mut colliders {
             let took_part = state.placed.is_some();
             state.freshness.compared(took_part);
         }
-        let triangles = collisions.iter().map(|contact| contact.triangles.len() as u64);
-        phase.triangle_pairs = triangles.sum();
     } else {
-        diagnostics.skipped_unchanged = candidates.pairs.len() as u64;
+        diagnostics.skipped_unchanged = diagnostics.candidate_pairs;
     }
-    diagnostics.triangle_pairs = phase.triangle_pairs;
-    diagnostics.touching_pairs = collisions.len() as u64;
     diagnostics.duration += start.elapsed();
-}
-
-/// Takes over the outcomes, in any order, and ends the contacts of pairs that are no longer candidates.
-fn take_over(collisions: &mut MorphCollisions, candidates: &[Pair], outcomes: &mut Vec<(Pair, Outcome)>) {
-    collisions.end_unless(|pair| candidates.binary_search(&pair).is_ok());
-    let mut passed = Vec::new();
-    for (pair, outcome) in outcomes.drain(..) {
-        match outcome {
-            Outcome::Touching(contact) => collisions.touch(contact),
-            Outcome::Passed(contact) => passed.push(contact),
-            Outcome::Apart => collisions.part(pair),
-        }
-    }
-    collisions.end_run(passed);
 }
 
 impl NarrowPhase {
@@ -104,6 +82,7 @@ impl NarrowPhase {
         candidates: &Candidates,
         colliders: &mut Query<(Entity, &mut ColliderState)>,
         contacts: &MorphCollisions,
+        outcomes: &mut Vec<(Pair, Outcome)>,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> u64 {
         let mut involved: Vec<Entity> = (candidates.pairs.iter().chain(&candidates.swept.pairs))
@@ -132,17 +111,21 @@ impl NarrowPhase {
                 is_swept: is_swept && (a.changed || b.changed) && !contacts.contains(pair.0, pair.1),
             })
         };
-        let (pairs, swept) = (&candidates.pairs, &candidates.swept);
+        let (pairs, swept, hooked) = (&candidates.pairs, &candidates.swept, &candidates.hooked);
         let mut unchanged = 0;
         let mut jobs = Vec::new();
         self.comparisons.clear();
         for &pair in pairs {
+            if hooked.refuse(pair) {
+                continue;
+            }
             let is_swept = !swept.pairs.is_empty() && swept.pairs.binary_search(&pair).is_ok();
             let Some(comparison) = compare(pair, is_swept, &placed) else {
                 continue;
             };
             let (a, b) = comparison.indices;
-            if !placed[a].changed && !placed[b].changed && !self.compare_all {
+            let any_changed = placed[a].changed || placed[b].changed || hooked.have_no_answer(pair);
+            if !any_changed && !self.compare_all {
                 unchanged += 1;
                 continue;
             }
@@ -155,8 +138,9 @@ impl NarrowPhase {
                 }),
             }
         }
-        self.compare_meshes(&mut placed, contacts, &mut jobs, diagnostics);
-        for &pair in swept.pairs.iter().filter(|pair| pairs.binary_search(pair).is_err()) {
+        self.compare_meshes(&mut placed, contacts, &mut jobs, outcomes, diagnostics);
+        let is_only_swept = |pair: &&Pair| pairs.binary_search(pair).is_err() && !hooked.refuse(**pair);
+        for &pair in swept.pairs.iter().filter(is_only_swept) {
             if let Some(comparison) = compare(pair, true, &placed).filter(|comparison| comparison.is_swept) {
                 let known = BatchResult::Apart;
                 jobs.push(Job { comparison, known });
@@ -169,7 +153,7 @@ impl NarrowPhase {
             seconds: self.seconds,
             limit: self.limit,
         };
-        let work = self.builders.run(&TaskPoolWorkers, view, &mut jobs, &mut self.outcomes);
+        let work = self.builders.run(&TaskPoolWorkers, view, &mut jobs, outcomes);
         diagnostics.stats += work.stats;
         diagnostics.swept_stats = work.swept;
         diagnostics.limited_pairs = work.limited_pairs;
@@ -182,6 +166,7 @@ impl NarrowPhase {
         placed: &mut [PlacedCollider<'_>],
         contacts: &MorphCollisions,
         jobs: &mut Vec<Job>,
+        outcomes: &mut Vec<(Pair, Outcome)>,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) {
         let Self {
@@ -194,8 +179,6 @@ impl NarrowPhase {
             memories,
             next_memories,
             starts: _,
-            outcomes,
-            triangle_pairs: _,
         } = self;
         keep_memories(comparisons, contacts, memories, next_memories);
         let mut memories = memories.iter_mut().peekable();

@@ -53,6 +53,7 @@ impl Plugin for MorphCollisionPlugin {
         state::add(app);
         posing::add_skeletons(app);
         broad_phase::add(app);
+        narrow_phase::add(app);
         spatial::add(app);
         self_collisions::add(app);
         setup::add(app);
@@ -141,7 +142,11 @@ fn add_systems(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .in_set(Stage::Weights),
             broad_phase::find_candidates.in_set(Stage::BroadPhase),
-            (narrow_phase::find_contacts, self_collisions::find_self_collisions)
+            (
+                narrow_phase::find_contacts,
+                narrow_phase::store_contacts,
+                self_collisions::find_self_collisions,
+            )
                 .chain()
                 .in_set(Stage::NarrowPhase),
             (

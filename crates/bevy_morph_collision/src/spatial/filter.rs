@@ -3,6 +3,7 @@
 use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 
+use crate::components::MorphLayerMask;
 use crate::state::Placement;
 
 /// Which colliders a spatial query considers. The default is all of them; the layers they collide with do not matter.
@@ -22,7 +23,7 @@ pub struct MorphQueryFilter {
 impl MorphQueryFilter {
     /// Only colliders on at least one of these layers.
     #[must_use]
-    pub fn from_mask(mask: u32) -> Self {
+    pub fn from_mask(mask: impl Into<MorphLayerMask>) -> Self {
         Self::default().with_mask(mask)
     }
 
@@ -34,8 +35,8 @@ impl MorphQueryFilter {
 
     /// Restricts the filter to colliders on at least one of these layers.
     #[must_use]
-    pub fn with_mask(mut self, mask: u32) -> Self {
-        self.mask = Some(mask);
+    pub fn with_mask(mut self, mask: impl Into<MorphLayerMask>) -> Self {
+        self.mask = Some(mask.into().0);
         self
     }
 

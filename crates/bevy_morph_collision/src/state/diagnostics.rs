@@ -24,6 +24,8 @@ pub struct MorphCollisionDiagnostics {
     pub skipped_passive: u64,
     /// Overlapping pairs of two [shapes](crate::components::MorphShape).
     pub skipped_rigid: u64,
+    /// Overlapping pairs that [hooks](crate::hooks::MorphCollisionHooks) refuse.
+    pub skipped_hooks: u64,
     /// Overlapping pairs that remain: different bodies that may collide.
     pub candidate_pairs: u64,
     /// Candidate pairs that keep their last answer because neither collider changed, or only within its tolerance.

@@ -14,7 +14,7 @@ use crate::support::{
 
 /// What the hooks of these tests read.
 #[derive(Resource, Default)]
-struct Rules {
+pub(crate) struct Rules {
     /// Pairs with one of these are refused.
     refused: Vec<Entity>,
     /// Contacts with one of these do not count.
@@ -31,7 +31,7 @@ struct Asked {
 }
 
 #[derive(SystemParam)]
-struct ByRules<'w> {
+pub(crate) struct ByRules<'w> {
     rules: Res<'w, Rules>,
 }
 
@@ -57,15 +57,33 @@ impl MorphCollisionHooks for ByRules<'_> {
     }
 }
 
-/// Refuses nothing.
+/// Refuses nothing, and looks at what the plugin offers.
 #[derive(SystemParam)]
-struct Indifferent<'w> {
-    _rules: Res<'w, Rules>,
+pub(crate) struct Indifferent<'w, 's> {
+    spatial: MorphSpatialQuery<'w, 's>,
+    collisions: Res<'w, MorphCollisions>,
+    diagnostics: Res<'w, MorphCollisionDiagnostics>,
 }
 
-impl MorphCollisionHooks for Indifferent<'_> {
+impl Indifferent<'_, '_> {
+    fn look(&self) {
+        let filter = MorphQueryFilter::default();
+        assert!(self.spatial.cast_ray(Vec3::X * -9.0, Dir3::X, 20.0, &filter).is_some());
+        assert!(self.diagnostics.touching_pairs <= 2 && self.collisions.len() <= 2);
+    }
+}
+
+impl MorphCollisionHooks for Indifferent<'_, '_> {
     fn filter_pairs(&self, pair: &MorphCandidatePair, commands: &mut Commands) -> bool {
+        self.look();
         note(commands, |asked| &mut asked.filter, (pair.collider1, pair.collider2));
+        true
+    }
+
+    fn modify_contacts(&self, contact: &mut MorphContact, commands: &mut Commands) -> bool {
+        self.look();
+        let pair = (contact.collider1, contact.collider2);
+        note(commands, |asked| &mut asked.modify, pair);
         true
     }
 }
@@ -275,14 +293,185 @@ fn all_hooks_have_to_agree_and_no_one_is_asked_about_what_another_refused() {
             app.add_plugins(MorphCollisionHooksPlugin::<ByRules>::default());
         }
         start(&mut app);
-        let [a, b, _] = row(&mut app, MorphActiveCollisionHooks::FILTER_PAIRS);
+        let [a, b, _] = row(&mut app, MorphActiveCollisionHooks::ALL);
         assert!(touches(&app, a, b));
-        rules(&mut app).refused = vec![a];
         asked(&mut app);
+        app.update();
+        let both = asked(&mut app);
+        assert_eq!((both.filter.len(), both.modify.len()), (2, 2));
+        rules(&mut app).ghosts = vec![a];
+        app.update();
+        assert!(!touches(&app, a, b));
+        assert_eq!(asked(&mut app).modify, vec![pair(a, b); if is_first { 1 } else { 2 }]);
+        rules(&mut app).refused = vec![a];
         app.update();
         assert!(!touches(&app, a, b));
         assert_eq!(diagnostics(&app).skipped_hooks, 1);
-        assert_eq!(asked(&mut app).filter, vec![pair(a, b); if is_first { 1 } else { 2 }]);
+        let asked = asked(&mut app);
+        assert_eq!(asked.filter, vec![pair(a, b); if is_first { 1 } else { 2 }]);
+        assert!(asked.modify.is_empty());
+        // Nothing is compared for a pair that is refused anyway.
+        app.update();
+        let run = diagnostics(&app);
+        assert_eq!(
+            (run.stats.triangle_tests, run.skipped_unchanged, run.candidate_pairs),
+            (0, 1, 1)
+        );
+    }
+}
+
+#[test]
+fn a_continuous_contact_that_a_hook_drops_does_not_begin_when_it_ends() {
+    let mut app = app_with_rules();
+    let (cube, wall) = (
+        add_mesh(&mut app, &cube()),
+        add_mesh(&mut app, &rigid::box_mesh(Vec3::new(0.01, 3.0, 3.0))),
+    );
+    let (mover, wall) = (spawn(&mut app, &cube, -3.0), spawn(&mut app, &wall, 0.0));
+    let asks = MorphActiveCollisionHooks::MODIFY_CONTACTS;
+    app.insert(mover, (MorphCollider::default().with_continuous(true), asks));
+    settle(&mut app);
+    rules(&mut app).ghosts = vec![wall];
+    let mut messages = Messages::default();
+    messages.read(&app);
+    for x in [-0.4, 0.0, 0.3] {
+        move_to(&mut app, mover, x);
+        app.update();
+        assert!(!touches(&app, mover, wall));
+        let swept = diagnostics(&app).swept_pairs;
+        assert_eq!(swept, u64::from(x < -0.3), "only when it came near: {x}");
+    }
+    // From now on it counts, but then it is apart already.
+    rules(&mut app).ghosts.clear();
+    move_to(&mut app, mover, 3.0);
+    app.update();
+    assert_eq!(messages.read(&app), (vec![], vec![]));
+}
+
+#[test]
+fn how_a_continuous_contact_began_is_seen_in_all_its_runs() {
+    #[derive(SystemParam)]
+    struct OnlyFast;
+
+    impl MorphCollisionHooks for OnlyFast {
+        fn modify_contacts(&self, contact: &mut MorphContact, _: &mut Commands) -> bool {
+            let is_fast = contact.impact.is_some_and(|impact| impact.velocity.length() > 1.0);
+            contact.impact = None;
+            is_fast
+        }
+    }
+
+    let mut app = headless(&assets());
+    app.add_plugins(MorphCollisionHooksPlugin::<OnlyFast>::default());
+    let frame = std::time::Duration::from_secs_f32(0.1);
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
+    start(&mut app);
+    let cube = add_mesh(&mut app, &cube());
+    let (mover, other) = (spawn(&mut app, &cube, -3.0), spawn(&mut app, &cube, 0.0));
+    let asks = MorphActiveCollisionHooks::MODIFY_CONTACTS;
+    app.insert(mover, (MorphCollider::default().with_continuous(true), asks));
+    settle(&mut app);
+    for x in [-0.9, -0.89, -0.88] {
+        move_to(&mut app, mover, x);
+        app.update();
+        let contact = app.contact(mover, other).expect("it was fast when it began");
+        assert!(contact.impact.is_some_and(|impact| impact.velocity.length() > 1.0));
+    }
+}
+
+#[test]
+fn a_collider_that_a_hook_despawns_touches_nothing() {
+    #[derive(SystemParam)]
+    struct Fragile<'w> {
+        rules: Res<'w, Rules>,
+    }
+
+    impl MorphCollisionHooks for Fragile<'_> {
+        fn filter_pairs(&self, pair: &MorphCandidatePair, commands: &mut Commands) -> bool {
+            for entity in [pair.collider1, pair.collider2] {
+                if self.rules.refused.contains(&entity) {
+                    commands.entity(entity).despawn();
+                }
+            }
+            true
+        }
+    }
+
+    let mut app = headless(&assets());
+    app.init_resource::<Rules>();
+    app.add_plugins(MorphCollisionHooksPlugin::<Fragile>::default());
+    start(&mut app);
+    let [a, b, c] = row(&mut app, MorphActiveCollisionHooks::FILTER_PAIRS);
+    let mut messages = Messages::default();
+    messages.read(&app);
+    rules(&mut app).refused = vec![a];
+    move_to(&mut app, b, 0.81);
+    app.update();
+    assert!(!touches(&app, a, b) && touches(&app, b, c));
+    assert_eq!(messages.read(&app).1.len(), 1);
+}
+
+#[test]
+fn a_body_rises_through_a_one_way_surface_and_lands_on_it() {
+    #[derive(SystemParam)]
+    struct FromAbove<'w, 's> {
+        places: Query<'w, 's, &'static GlobalTransform>,
+        surfaces: Query<'w, 's, (), Without<MorphShape>>,
+    }
+
+    impl MorphCollisionHooks for FromAbove<'_, '_> {
+        fn filter_pairs(&self, pair: &MorphCandidatePair, _: &mut Commands) -> bool {
+            let height = |entity| self.places.get(entity).map_or(0.0, |place| place.translation().y);
+            let comes_from_below = |surface, other| self.surfaces.contains(surface) && height(other) < height(surface);
+            !comes_from_below(pair.body1, pair.body2) && !comes_from_below(pair.body2, pair.body1)
+        }
+    }
+
+    let mut app = headless(&assets());
+    app.add_plugins(MorphCollisionHooksPlugin::<FromAbove>::default());
+    start(&mut app);
+    let leaf = add_mesh(&mut app, &rigid::box_mesh(Vec3::new(3.0, 0.01, 3.0)));
+    let leaf = spawn(&mut app, &leaf, 0.0);
+    let ball = MorphShape::Ball { radius: 0.2 };
+    let ball = app.spawn((
+        ball,
+        Transform::from_xyz(0.0, -1.0, 0.0),
+        MorphActiveCollisionHooks::FILTER_PAIRS,
+    ));
+    settle(&mut app);
+    let mut seen = Vec::new();
+    for y in [-0.3, -0.15, 0.15, 0.3, 0.15, -0.05] {
+        app.insert(ball, Transform::from_xyz(0.0, y, 0.0));
+        app.update();
+        seen.push(touches(&app, ball, leaf));
+    }
+    assert_eq!(seen, [false, false, true, false, true, false]);
+}
+
+#[test]
+fn hooks_work_in_an_app_that_is_never_finished() {
+    let mut app = plain_app();
+    app.init_resource::<Rules>().init_resource::<Asked>();
+    app.add_plugins((MorphCollisionPlugin, MorphCollisionHooksPlugin::<ByRules>::default()));
+    let [a, b, _] = row(&mut app, MorphActiveCollisionHooks::default());
+    assert!(touches(&app, a, b));
+    let asked = asked(&mut app);
+    assert!(asked.filter.contains(&pair(a, b)) && asked.modify.contains(&pair(a, b)));
+}
+
+#[test]
+fn answers_that_change_while_collisions_are_paused_count_afterwards() {
+    let mut app = app_with_rules();
+    let [a, b, _] = row(&mut app, MorphActiveCollisionHooks::FILTER_PAIRS);
+    for is_refused in [true, false] {
+        app.settings().paused = true;
+        app.update();
+        rules(&mut app).refused = if is_refused { vec![a] } else { vec![] };
+        app.update();
+        assert_eq!(touches(&app, a, b), is_refused, "as before the pause");
+        app.settings().paused = false;
+        app.update();
+        assert_eq!(touches(&app, a, b), !is_refused);
     }
 }
 

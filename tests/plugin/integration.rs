@@ -20,6 +20,7 @@ use serde::de::DeserializeSeed;
 
 use morph_collision_workspace::app::headless;
 
+use crate::hooks::{ByRules, Indifferent, Rules};
 use crate::log::{Errors, start};
 use crate::support::{Edits, app, assets, cube, move_to, plain_app, settle, spawn, touches};
 
@@ -48,6 +49,14 @@ fn the_plugins_add_no_ambiguous_order_of_systems() {
     let mut fixed = bevy();
     fixed.add_plugins((MorphCollisionPlugin.in_schedule(FixedPostUpdate), MorphBoundsPlugin));
     assert_eq!(ambiguities(&mut fixed), before);
+    let mut hooked = bevy();
+    hooked.init_resource::<Rules>().add_plugins((
+        MorphCollisionHooksPlugin::<ByRules>::default(),
+        MorphCollisionPlugin,
+        MorphCollisionHooksPlugin::<Indifferent>::default(),
+        MorphBoundsPlugin,
+    ));
+    assert_eq!(ambiguities(&mut hooked), before);
 
     // A conflict would be noticed.
     let mut careless = bevy();

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use morph_collision::Aabb;
 use tracing::debug_span;
 
-use super::hooked_pairs::{HookAnswer, HookedPairs, MorphCandidatePair};
+use super::hooked_pairs::HookedPairs;
 use super::placing::{Participant, ParticipantItem, ParticipantReadOnlyItem};
 use super::sweep::Sweep;
 use super::swept_pairs::SweptPairs;
@@ -20,8 +20,6 @@ pub(crate) struct Candidates {
     pub(crate) pairs: Vec<(Entity, Entity)>,
     /// Pairs to compare on their way from the last run, whether or not they are in `pairs`.
     pub(crate) swept: SweptPairs,
-    /// What hooks say about both.
-    pub(crate) hooked: HookedPairs,
     // Kept to reuse memory, and for runs without changes.
     colliders: Vec<(Entity, Placement)>,
     /// The colliders in the order of the query, with their indices in `colliders`. As long as the query returns the same entities
@@ -83,13 +81,14 @@ pub(crate) fn find_candidates(
     names: Names,
     mut teleports: Teleports,
     mut candidates: ResMut<Candidates>,
+    mut hooked: ResMut<HookedPairs>,
     mut runs: ResMut<Runs>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::broad_phase").entered();
     let candidates = &mut *candidates;
-    candidates.hooked.begin_run();
+    hooked.begin_run();
     let (mut changed, mut any_moved) = (false, false);
     let mut reposed = std::mem::take(&mut news.reposed);
     let visited = visits.find(&reposed);
@@ -168,42 +167,10 @@ impl Candidates {
         &self.colliders
     }
 
-    /// Asks a hook about all pairs, in ascending order. Returns how many pairs with overlapping boxes it refuses that no other hook has refused.
-    pub(crate) fn ask_hook(&mut self, mut hook: impl FnMut(&MorphCandidatePair) -> HookAnswer) -> u64 {
-        let Self {
-            pairs,
-            swept,
-            hooked,
-            colliders,
-            ..
-        } = self;
-        let body = |collider: Entity| {
-            let index = colliders.binary_search_by_key(&collider, |&(entity, _)| entity);
-            index.map_or(collider, |index| colliders[index].1.body)
-        };
-        let mut ask = |&(collider1, collider2): &(Entity, Entity)| {
-            let pair = (collider1, collider2);
-            if hooked.refuse(pair) {
-                return false;
-            }
-            let (body1, body2) = (body(collider1), body(collider2));
-            hooked.note(
-                pair,
-                hook(&MorphCandidatePair {
-                    collider1,
-                    collider2,
-                    body1,
-                    body2,
-                }),
-            )
-        };
-        let refused = pairs.iter().filter(|pair| ask(pair)).count();
-        for pair in &swept.pairs {
-            if pairs.binary_search(pair).is_err() {
-                ask(pair);
-            }
-        }
-        refused as u64
+    /// The body of a collider that took part in the last run.
+    pub(super) fn body_of(&self, collider: Entity) -> Entity {
+        let index = self.colliders.binary_search_by_key(&collider, |&(entity, _)| entity);
+        index.map_or(collider, |index| self.colliders[index].1.body)
     }
 
     /// Copies the placements of all colliders that take part. Returns `false` if they are not the same colliders in the same order

@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::mem::take;
+use std::time::Duration;
 
 use bevy::prelude::*;
+
+use super::candidates::Candidates;
 
 /// Two colliders of different bodies that may touch, with `collider1 < collider2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,17 +33,21 @@ pub(crate) struct HookAnswer {
 /// What hooks say about candidate pairs. Empty without hooks, and for all pairs that do not ask them.
 ///
 /// A pair keeps its answer if neither collider changed. Hooks depend on other things, so their pairs are noted here.
-#[derive(Default)]
+#[derive(Resource, Default)]
 pub(crate) struct HookedPairs {
     now: Answers,
     /// In the last run.
     before: Answers,
+    /// The time that hooks took so far in this run.
+    pub(crate) duration: Duration,
 }
 
 #[derive(Default)]
 struct Answers {
     refused: BTreeSet<(Entity, Entity)>,
     modified: BTreeSet<(Entity, Entity)>,
+    /// The number of refused pairs whose boxes overlap.
+    overlapping: u64,
 }
 
 impl HookedPairs {
@@ -49,22 +56,61 @@ impl HookedPairs {
         self.before = take(&mut self.now);
     }
 
-    /// Notes the answer of one hook. Returns whether it is the first that refuses the pair.
-    pub(super) fn note(&mut self, pair: (Entity, Entity), answer: HookAnswer) -> bool {
-        if answer.is_modified {
+    /// Asks a hook about all pairs that no other hook has refused.
+    pub(crate) fn ask(&mut self, candidates: &Candidates, mut hook: impl FnMut(&MorphCandidatePair) -> HookAnswer) {
+        for &pair in &candidates.pairs {
+            self.now.overlapping += u64::from(self.note(pair, candidates, &mut hook));
+        }
+        for &pair in &candidates.swept.pairs {
+            if candidates.pairs.binary_search(&pair).is_err() {
+                self.note(pair, candidates, &mut hook);
+            }
+        }
+    }
+
+    /// Notes what a hook says about a pair. Returns whether it is the first that refuses the pair.
+    fn note(
+        &mut self,
+        pair: (Entity, Entity),
+        candidates: &Candidates,
+        hook: &mut impl FnMut(&MorphCandidatePair) -> HookAnswer,
+    ) -> bool {
+        if self.refuse(pair) {
+            return false;
+        }
+        let answer = hook(&MorphCandidatePair {
+            collider1: pair.0,
+            collider2: pair.1,
+            body1: candidates.body_of(pair.0),
+            body2: candidates.body_of(pair.1),
+        });
+        if answer.is_refused {
+            self.now.modified.remove(&pair);
+            self.now.refused.insert(pair);
+        } else if answer.is_modified {
             self.now.modified.insert(pair);
         }
-        answer.is_refused && self.now.refused.insert(pair)
+        answer.is_refused
+    }
+
+    /// The number of refused pairs whose boxes overlap.
+    pub(crate) fn refused_overlapping(&self) -> u64 {
+        self.now.overlapping
     }
 
     /// Whether pairs have to be compared although no collider changed.
     pub(crate) fn any_changed(&self) -> bool {
-        self.now.refused != self.before.refused || !(self.now.modified.is_empty() && self.before.modified.is_empty())
+        self.now.refused != self.before.refused || self.any_is_modified() || !self.before.modified.is_empty()
     }
 
     /// Whether the pair is not to be compared.
     pub(crate) fn refuse(&self, pair: (Entity, Entity)) -> bool {
         self.now.refused.contains(&pair)
+    }
+
+    /// Whether any contact may be changed.
+    pub(crate) fn any_is_modified(&self) -> bool {
+        !self.now.modified.is_empty()
     }
 
     /// Whether the contact of the pair may be changed.

@@ -15,11 +15,11 @@ mod visits;
 use bevy::prelude::*;
 
 pub(crate) use candidates::{Candidates, find_candidates};
-pub(crate) use hooked_pairs::HookAnswer;
 pub use hooked_pairs::MorphCandidatePair;
+pub(crate) use hooked_pairs::{HookAnswer, HookedPairs};
 pub(crate) use swept_pairs::SweptPairs;
 
-/// Adds the candidates.
+/// Adds the candidates, and what hooks say about them.
 pub(crate) fn add(app: &mut App) {
-    app.init_resource::<Candidates>();
+    app.init_resource::<Candidates>().init_resource::<HookedPairs>();
 }

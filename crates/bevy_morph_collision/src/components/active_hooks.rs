@@ -1,10 +1,13 @@
 //! Which colliders ask the hooks.
 
+use std::ops::BitOr;
+
 use bevy::prelude::*;
 
 /// Asks the app's [hooks](crate::hooks::MorphCollisionHooks) about the pairs of this collider, or of all colliders of this body.
 ///
-/// It is enough if one of the two colliders of a pair, or the body of one, has the component. Without it, hooks cost nothing.
+/// It is enough if one of the two colliders of a pair, or the body of one, has the component. Both hooks are called by
+/// default.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -14,13 +17,13 @@ use bevy::prelude::*;
 /// # }
 /// # App::new().add_systems(Startup, spawn);
 /// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphActiveCollisionHooks {
     /// Whether to call [`filter_pairs`](crate::hooks::MorphCollisionHooks::filter_pairs).
     pub filter_pairs: bool,
-    /// Whether to call [`modify_contacts`](crate::hooks::MorphCollisionHooks::modify_contacts). Pairs are then compared in every run, even if
-    /// neither collider has changed.
+    /// Whether to call [`modify_contacts`](crate::hooks::MorphCollisionHooks::modify_contacts). Pairs whose boxes overlap are then compared in
+    /// every run, even if neither collider has changed; and while there is such a pair, no run is left out because nothing has changed.
     pub modify_contacts: bool,
 }
 
@@ -40,4 +43,21 @@ impl MorphActiveCollisionHooks {
         filter_pairs: true,
         modify_contacts: true,
     };
+}
+
+impl Default for MorphActiveCollisionHooks {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+impl BitOr for MorphActiveCollisionHooks {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self {
+            filter_pairs: self.filter_pairs || other.filter_pairs,
+            modify_contacts: self.modify_contacts || other.modify_contacts,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Collision layers.
 
-use std::ops::BitOr;
+use std::ops::{BitAnd, BitOr, Not};
 
 use bevy::prelude::*;
 
@@ -50,6 +50,30 @@ impl MorphLayerMask {
     }
 }
 
+impl BitOr for MorphLayerMask {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl BitAnd for MorphLayerMask {
+    type Output = Self;
+
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl Not for MorphLayerMask {
+    type Output = Self;
+
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
 impl From<u32> for MorphLayerMask {
     fn from(bits: u32) -> Self {
         Self(bits)
@@ -59,14 +83,15 @@ impl From<u32> for MorphLayerMask {
 /// All of these layers together.
 impl<L: Into<Self>, const N: usize> From<[L; N]> for MorphLayerMask {
     fn from(layers: [L; N]) -> Self {
-        Self(layers.map(|layer| layer.into().0).into_iter().fold(0, BitOr::bitor))
+        layers.map(Into::into).into_iter().fold(Self::NONE, BitOr::bitor)
     }
 }
 
 /// The layers that a collider is on and the layers that it collides with.
 ///
 /// Two colliders are compared if each is on a layer that the other one collides with, as with `bevy_rapier`'s `CollisionGroups`
-/// and Avian's `CollisionLayers`. By default everything collides with everything.
+/// and Avian's `CollisionLayers`. By default everything is on all layers and collides with everything. (By default, Avian's colliders are
+/// on the first layer only.)
 ///
 /// ```
 /// # use bevy_morph_collision::components::MorphCollisionLayers;
@@ -138,6 +163,8 @@ mod tests {
             0b11
         );
         assert_eq!(MorphLayerMask::layer(31), MorphLayerMask(1 << 31));
+        let (first, second) = (MorphLayerMask::layer(0), MorphLayerMask::layer(1));
+        assert_eq!((first | second) & !first, second);
         assert!(!MorphCollisionLayers::NONE.interacts_with(MorphCollisionLayers::ALL));
     }
 }

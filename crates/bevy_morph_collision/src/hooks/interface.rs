@@ -9,10 +9,18 @@ use crate::contacts::MorphContact;
 /// A game's own rules for pairs of colliders, as a [`SystemParam`](bevy::ecs::system::SystemParam) that reads whatever they depend on.
 ///
 /// Add them with [`MorphCollisionHooksPlugin`](crate::plugins::MorphCollisionHooksPlugin). They are asked about pairs of which a collider,
-/// or its body, has [`MorphActiveCollisionHooks`](crate::components::MorphActiveCollisionHooks). With several hooks, all have to agree.
+/// or its body, has [`MorphActiveCollisionHooks`](crate::components::MorphActiveCollisionHooks). With several hooks, all have to agree; one
+/// that comes later is not asked about what another has refused, and sees a contact as the other has changed it.
 ///
-/// Hooks decide about collisions of the plugin: [`MorphCollisions`](crate::contacts::MorphCollisions) and its events. Spatial queries have
-/// [filters](crate::spatial::MorphQueryFilter), and physics engines have hooks of their own.
+/// Hooks decide about collisions of colliders: [`MorphCollisions`](crate::contacts::MorphCollisions) and its events. Spatial queries have
+/// [filters](crate::spatial::MorphQueryFilter), physics engines have hooks of their own, and self-collisions ask nobody.
+///
+/// - Hooks may use [`MorphSpatialQuery`](crate::spatial::MorphSpatialQuery) and what else the plugin offers to read. Contacts are those of the
+///   last run.
+/// - Commands run in the middle of the run. Do not spawn or despawn colliders, bodies or joints with them: events would name entities that
+///   are gone. Leave that to a system or an observer that reads the events.
+/// - A parameter that cannot be fetched, such as a `Single` without a match, makes Bevy leave the hooks out, and then nothing is refused. Use a
+///   `Query` or an `Option`.
 ///
 /// # Teams
 ///
@@ -71,7 +79,7 @@ use crate::contacts::MorphContact;
 ///
 /// # A one-way surface
 ///
-/// What comes from below goes through the leaf of a giant plant. What is on top of it is in contact:
+/// What comes from below goes through the leaf of a giant plant, until its feet are above:
 ///
 /// ```
 /// # use bevy::ecs::system::SystemParam;
@@ -82,23 +90,47 @@ use crate::contacts::MorphContact;
 ///
 /// #[derive(SystemParam)]
 /// struct OneWaySurfaces<'w, 's> {
-///     surfaces: Query<'w, 's, (), With<OneWay>>,
+///     surfaces: Query<'w, 's, &'static GlobalTransform, With<OneWay>>,
+///     places: Query<'w, 's, &'static GlobalTransform>,
 /// }
 ///
 /// impl MorphCollisionHooks for OneWaySurfaces<'_, '_> {
-///     fn modify_contacts(&self, contact: &mut MorphContact, _: &mut Commands) -> bool {
-///         // The normal leads `collider1` out of `collider2`.
-///         let is_above = |surface, up| !self.surfaces.contains(surface) || up > 0.0;
-///         is_above(contact.collider2, contact.normal.y) && is_above(contact.collider1, -contact.normal.y)
+///     fn filter_pairs(&self, pair: &MorphCandidatePair, _: &mut Commands) -> bool {
+///         // The origin of a character is between its feet.
+///         let comes_from_below = |surface, other| {
+///             let (surface, other) = (self.surfaces.get(surface), self.places.get(other));
+///             surface.ok().zip(other.ok()).is_some_and(|(surface, feet)| feet.translation().y < surface.translation().y)
+///         };
+///         !comes_from_below(pair.body1, pair.body2) && !comes_from_below(pair.body2, pair.body1)
 ///     }
 /// }
 /// # App::new().add_plugins(MorphCollisionHooksPlugin::<OneWaySurfaces>::default());
 /// ```
+///
+/// # Scratches
+///
+/// Blows that go less than a centimetre deep do not count (in mode [`Contacts`](crate::components::MorphCollisionMode::Contacts)):
+///
+/// ```
+/// # use bevy::ecs::system::SystemParam;
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// #[derive(SystemParam)]
+/// struct OnlyBlows;
+///
+/// impl MorphCollisionHooks for OnlyBlows {
+///     fn modify_contacts(&self, contact: &mut MorphContact, _: &mut Commands) -> bool {
+///         contact.points.retain(|point| point.depth >= 0.01);
+///         !contact.points.is_empty()
+///     }
+/// }
+/// # App::new().add_plugins(MorphCollisionHooksPlugin::<OnlyBlows>::default());
+/// ```
 pub trait MorphCollisionHooks: ReadOnlySystemParam + Send + Sync {
     /// Whether two colliders are compared. If not, they do not touch, and a contact that they have ends.
     ///
-    /// Called once in each run for each pair whose boxes overlap, or overlap on the way of a continuous collider, and that layers and modes
-    /// allow; before any triangle is tested. The order of the calls is that of the entities.
+    /// Called at most once in each run for each pair whose boxes overlap, or overlap on the way of a continuous collider, and that layers and
+    /// modes allow; before any triangle is tested. The order of the calls depends on the entities only.
     fn filter_pairs(&self, pair: &MorphCandidatePair, commands: &mut Commands) -> bool {
         let _ = (pair, commands);
         true
@@ -106,8 +138,9 @@ pub trait MorphCollisionHooks: ReadOnlySystemParam + Send + Sync {
 
     /// Changes a contact before anybody sees it. If it returns `false`, the colliders do not touch.
     ///
-    /// Called once in each run for each pair that touches. The contact is always the one that was found: what was changed in earlier runs is
-    /// not in it. The colliders and bodies cannot be changed.
+    /// Called at most once in each run for each pair that touches, in the order of the entities. The contact is the one that was found in this
+    /// run: what was changed in earlier runs is not in it, but [`impact`](MorphContact::impact) still says how it began. The colliders, their
+    /// bodies and the impact cannot be changed.
     fn modify_contacts(&self, contact: &mut MorphContact, commands: &mut Commands) -> bool {
         let _ = (contact, commands);
         true

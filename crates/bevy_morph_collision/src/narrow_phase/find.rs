@@ -1,5 +1,7 @@
 //! Finds out for every candidate pair whether and where it touches.
 
+use std::collections::BTreeSet;
+
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::Body;
@@ -15,7 +17,7 @@ use super::starts::Starts;
 
 use super::starts::RunView;
 use crate::app::TaskPoolWorkers;
-use crate::broad_phase::Candidates;
+use crate::broad_phase::{Candidates, HookedPairs};
 use crate::components::MorphCollisionSettings;
 use crate::contacts::MorphCollisions;
 use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, RunTimes, Runs};
@@ -45,6 +47,7 @@ pub(crate) struct NarrowPhase {
 /// A pair keeps its answer if neither collider changed, unless hooks have a say in it.
 pub(crate) fn find_contacts(
     candidates: Res<Candidates>,
+    mut hooked: ResMut<HookedPairs>,
     mut runs: ResMut<Runs>,
     mut colliders: Query<(Entity, &mut ColliderState)>,
     collisions: Res<MorphCollisions>,
@@ -59,10 +62,21 @@ pub(crate) fn find_contacts(
     let phase = &mut *phase;
     let limit = settings.list_limit();
     phase.compare_all = std::mem::replace(&mut phase.limit, limit) != limit;
-    let outcomes = found.begin_run();
-    if runs.compare(phase.compare_all || candidates.hooked.any_changed()) {
+    let refused = hooked.refused_overlapping();
+    diagnostics.skipped_hooks = refused;
+    diagnostics.candidate_pairs -= refused;
+    if runs.compare(phase.compare_all || hooked.any_changed()) {
+        let (outcomes, dropped) = found.begin_run();
+        let hooks = (&*hooked, &dropped);
         phase.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
-        let unchanged = phase.compare_pairs(&candidates, &mut colliders, &collisions, outcomes, &mut diagnostics);
+        let unchanged = phase.compare_pairs(
+            &candidates,
+            hooks,
+            &mut colliders,
+            &collisions,
+            outcomes,
+            &mut diagnostics,
+        );
         diagnostics.skipped_unchanged = unchanged;
         for (_, mut state) in &mut colliders {
             let took_part = state.placed.is_some();
@@ -71,7 +85,7 @@ pub(crate) fn find_contacts(
     } else {
         diagnostics.skipped_unchanged = diagnostics.candidate_pairs;
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.duration += std::mem::take(&mut hooked.duration) + start.elapsed();
 }
 
 impl NarrowPhase {
@@ -80,6 +94,7 @@ impl NarrowPhase {
     fn compare_pairs(
         &mut self,
         candidates: &Candidates,
+        (hooked, dropped): (&HookedPairs, &BTreeSet<Pair>),
         colliders: &mut Query<(Entity, &mut ColliderState)>,
         contacts: &MorphCollisions,
         outcomes: &mut Vec<(Pair, Outcome)>,
@@ -107,11 +122,14 @@ impl NarrowPhase {
                 pair,
                 indices,
                 mode: a.placement.mode.max(b.placement.mode),
-                // A contact that lasts cannot begin.
-                is_swept: is_swept && (a.changed || b.changed) && !contacts.contains(pair.0, pair.1),
+                // A contact that lasts cannot begin, nor can one that hooks dropped.
+                is_swept: is_swept
+                    && (a.changed || b.changed)
+                    && !contacts.contains(pair.0, pair.1)
+                    && !dropped.contains(&pair),
             })
         };
-        let (pairs, swept, hooked) = (&candidates.pairs, &candidates.swept, &candidates.hooked);
+        let (pairs, swept) = (&candidates.pairs, &candidates.swept);
         let mut unchanged = 0;
         let mut jobs = Vec::new();
         self.comparisons.clear();
@@ -121,6 +139,8 @@ impl NarrowPhase {
             }
             let is_swept = !swept.pairs.is_empty() && swept.pairs.binary_search(&pair).is_ok();
             let Some(comparison) = compare(pair, is_swept, &placed) else {
+                // A hook has despawned a collider.
+                outcomes.push((pair, Outcome::Apart));
                 continue;
             };
             let (a, b) = comparison.indices;

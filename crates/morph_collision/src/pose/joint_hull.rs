@@ -362,7 +362,9 @@ mod tests {
             pose.set_weights(&[weight]).unwrap();
             let (bounds, local) = (pose.broad_phase_bounds(&place), pose.local_bounds(&turned));
             let without = bvh.broad_phase_bounds(&[weight], &joints);
-            match without.zip(bvh.local_bounds(&[weight], &joints, &turned)) {
+            let local_without = bvh.local_bounds(&[weight], &joints, &turned);
+            assert_eq!(without.is_some(), local_without.is_some());
+            match without.zip(local_without) {
                 Some(known) => {
                     kept += 1;
                     assert_eq!(known, (bounds, local), "weight {weight}");

@@ -188,21 +188,13 @@ impl SurfaceJoints {
         if self.is_drawn_as(other) {
             return true;
         }
-        // Joints that move nearly always turn, which the first of them shows.
-        if self.count() != other.count()
-            || !self
-                .first()
-                .zip(other.first())
-                .is_none_or(|(a, b)| are_parallel(&a, &b))
-        {
+        // Joints that move nearly always turn, which one of the first shows.
+        let mut pairs = self.each_in_collider().zip(other.each_in_collider());
+        if self.count() != other.count() || !pairs.all(|(a, b)| are_parallel(&a, &b)) {
             return false;
         }
-        let [joints, others] = [self, other].map(Self::in_collider);
-        if joints == others && self.0.middle == other.0.middle {
+        if self.0.middle == other.0.middle && self.in_collider() == other.in_collider() {
             return true;
-        }
-        if !joints.iter().zip(others.iter()).all(|(a, b)| are_parallel(&a, &b)) {
-            return false;
         }
         let [points, others] = [self, other].map(Self::middles);
         let size = largest(others.iter().map(|p| f64::from(p.abs().max_element())));
@@ -210,18 +202,22 @@ impl SurfaceJoints {
         pairs.all(|(a, b)| f64::from(a.distance(*b)) <= 1e-6 * size)
     }
 
-    /// The first joint in the collider's space.
-    fn first(&self) -> Option<Affine3A> {
-        match &self.0.source {
-            Source::Drawn {
-                world_from_mesh,
-                collider,
-            } => {
-                let first = world_from_mesh.iter().next()?;
-                Some(joint_in(&collider_from_world(collider), &first))
-            }
-            Source::Between { .. } => self.in_collider().iter().next(),
-        }
+    /// The joints in the collider's space. Unless they are known, only those that are asked for are converted.
+    fn each_in_collider(&self) -> impl Iterator<Item = Affine3A> {
+        let drawn = match (&self.0.source, self.0.in_collider.get()) {
+            (
+                Source::Drawn {
+                    world_from_mesh,
+                    collider,
+                },
+                None,
+            ) => Some((world_from_mesh, collider_from_world(collider))),
+            _ => None,
+        };
+        let known = drawn.is_none().then(|| self.in_collider().iter());
+        let converted =
+            drawn.map(|(joints, to_collider)| joints.iter().map(move |joint| joint_in(&to_collider, &joint)));
+        converted.into_iter().flatten().chain(known.into_iter().flatten())
     }
 }
 

@@ -40,3 +40,16 @@ pub mod view;
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;
+
+/// The pages' programs, compiled.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../docs/first_program.md")]
+    struct FirstProgram;
+
+    #[doc = include_str!("../../docs/coming_from_avian.md")]
+    struct ComingFromAvian;
+
+    #[doc = include_str!("../../docs/coming_from_rapier.md")]
+    struct ComingFromRapier;
+}

@@ -5,7 +5,6 @@ use bevy::prelude::*;
 use morph_collision::Aabb;
 use tracing::debug_span;
 
-use super::hooked_pairs::HookedPairs;
 use super::placing::{Participant, ParticipantItem, ParticipantReadOnlyItem};
 use super::sweep::Sweep;
 use super::swept_pairs::SweptPairs;
@@ -81,14 +80,12 @@ pub(crate) fn find_candidates(
     names: Names,
     mut teleports: Teleports,
     mut candidates: ResMut<Candidates>,
-    mut hooked: ResMut<HookedPairs>,
     mut runs: ResMut<Runs>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::broad_phase").entered();
     let candidates = &mut *candidates;
-    hooked.begin_run();
     let (mut changed, mut any_moved) = (false, false);
     let mut reposed = std::mem::take(&mut news.reposed);
     let visited = visits.find(&reposed);

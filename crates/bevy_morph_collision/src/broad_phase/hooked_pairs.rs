@@ -51,8 +51,8 @@ struct Answers {
 }
 
 impl HookedPairs {
-    /// Begins a run, in which no hook has been asked.
-    pub(super) fn begin_run(&mut self) {
+    /// Ends a run. In the next one, no hook has been asked yet.
+    pub(crate) fn end_run(&mut self) {
         self.before = take(&mut self.now);
     }
 

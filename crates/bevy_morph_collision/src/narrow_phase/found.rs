@@ -68,7 +68,7 @@ impl FoundContacts {
 /// Stores what the run has found out, and ends the contacts of pairs that are not compared any more.
 pub(crate) fn store_contacts(
     candidates: Res<Candidates>,
-    hooked: Res<HookedPairs>,
+    mut hooked: ResMut<HookedPairs>,
     runs: Res<Runs>,
     mut found: ResMut<FoundContacts>,
     mut collisions: ResMut<MorphCollisions>,
@@ -93,6 +93,7 @@ pub(crate) fn store_contacts(
         let triangles = collisions.iter().map(|contact| contact.triangles.len() as u64);
         *triangle_pairs = triangles.sum();
     }
+    hooked.end_run();
     diagnostics.triangle_pairs = *triangle_pairs;
     diagnostics.touching_pairs = collisions.len() as u64;
     diagnostics.duration += take(&mut found.duration) + start.elapsed();

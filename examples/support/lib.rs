@@ -41,8 +41,8 @@ pub mod view;
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
-/// The pages' programs, compiled.
-#[cfg(doctest)]
+/// The pages' programs, compiled where there are materials to draw with.
+#[cfg(all(doctest, feature = "render"))]
 mod pages {
     #[doc = include_str!("../../docs/first_program.md")]
     struct FirstProgram;

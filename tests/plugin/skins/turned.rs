@@ -97,9 +97,10 @@ impl Turned {
 fn culling_boxes_of_turned_characters_are_as_tight_as_those_of_upright_ones() {
     // The largest median over the frames, for each model.
     for (file, clip, largest) in [
-        (Some(assets().join("mh_character_low.glb")), Some("walk"), 1.2),
+        (Some(assets().join("mh_character_low.glb")), Some("walk"), 1.25),
         (shared("Fox.glb"), Some("Survey"), 1.25),
-        (shared("RobotExpressive.glb"), None, 1.8),
+        // The weights of its hands do not sum to 1.
+        (shared("RobotExpressive.glb"), None, 4.0),
     ] {
         let Some(file) = file else {
             continue;

@@ -106,7 +106,13 @@ mod tests {
     #[test]
     fn a_file_in_memory_becomes_a_page_and_the_listener_hears_of_it() -> Result<(), String> {
         listen(hear);
-        let page = Lint::default().page("two <meshes>.gltf", MODEL.as_bytes())?;
+        let page = std::thread::scope(|scope| {
+            // What begins on another thread meanwhile takes no step away.
+            let other = scope.spawn(|| (0..1000).for_each(|_| drop(Lint::default().page("bad.glb", b""))));
+            let page = Lint::default().page("two <meshes>.gltf", MODEL.as_bytes());
+            drop(other.join());
+            page
+        })?;
         assert_eq!((page.findings, page.shapes), (0, 4 + 100));
         assert!(page.html.contains("Lint of two &lt;meshes&gt;.gltf"), "{}", page.html);
         assert!(page.html.contains("Nothing was found."));

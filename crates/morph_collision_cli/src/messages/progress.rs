@@ -4,6 +4,7 @@
 //! uses this library is told instead, if it [listens](listen).
 
 use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -118,26 +119,37 @@ pub fn doing(what: impl Into<String>) {
     }
 }
 
-/// Counts the steps of an activity.
+/// Counts the steps of an activity. It counts by itself, so what another thread does meanwhile takes no step from it.
 #[derive(Debug)]
-pub struct Steps(());
+pub struct Steps {
+    what: String,
+    done: AtomicU64,
+    all: u64,
+}
 
 /// Starts to count `what` up to `length`.
 pub fn count(what: &str, length: u64) -> Steps {
     if let Some(activity) = now().as_mut() {
         activity.begin(what.to_owned(), Some((0, length)));
     }
-    Steps(())
+    Steps {
+        what: what.to_owned(),
+        done: AtomicU64::new(0),
+        all: length,
+    }
 }
 
 impl Steps {
     /// Counts one step.
     pub fn step(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let mut line = None;
         if let Some(activity) = now().as_mut() {
-            if let Some((done, _)) = &mut activity.steps {
-                *done += 1;
+            if activity.what != self.what {
+                activity.clear();
+                activity.what.clone_from(&self.what);
             }
+            activity.steps = Some((done, self.all));
             activity.report();
             line = activity.line_of_step();
         }

@@ -142,9 +142,10 @@ pub fn count(what: &str, length: u64) -> Steps {
 impl Steps {
     /// Counts one step.
     pub fn step(&self) {
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let mut line = None;
         if let Some(activity) = now().as_mut() {
+            // Under the lock, so that the numbers told never go back.
+            let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
             if activity.what != self.what {
                 activity.clear();
                 activity.what.clone_from(&self.what);

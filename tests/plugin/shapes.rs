@@ -76,6 +76,35 @@ fn every_shape_stands_where_its_transform_says() {
             Transform::from_xyz(1.1, 0.0, 0.0),
         ),
         (
+            MorphShape::from(Cylinder::new(0.25, 2.0)),
+            // Once lying and once standing.
+            Transform::from_xyz(0.0, 0.7, 0.0).with_rotation(Quat::from_rotation_z(1.57)),
+            Transform::from_xyz(0.8, 0.0, 0.0),
+        ),
+        (
+            MorphShape::from(Cone::new(0.5, 2.0)),
+            // Once with the tip in the cube, and once with the base above it.
+            Transform::from_xyz(0.0, 1.45, 0.0).with_rotation(Quat::from_rotation_z(std::f32::consts::PI)),
+            Transform::from_xyz(0.0, 1.55, 0.0),
+        ),
+        (
+            MorphShape::from(ConicalFrustum {
+                radius_top: 1.0,
+                radius_bottom: 0.1,
+                height: 1.0,
+            }),
+            Transform::from_xyz(1.0, 0.0, 0.0),
+            Transform::from_xyz(1.2, -1.1, 0.0),
+        ),
+        (
+            MorphShape::RoundCuboid {
+                half_extents: Vec3::splat(0.25),
+                border_radius: 0.25,
+            },
+            Transform::from_xyz(0.95, 0.0, 0.0),
+            Transform::from_xyz(0.95, 0.95, 0.0),
+        ),
+        (
             MorphShape::HalfSpace { normal: Vec3::Y },
             Transform::from_xyz(100.0, -0.45, -50.0),
             Transform::from_xyz(0.0, -0.55, 0.0),

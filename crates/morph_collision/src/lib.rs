@@ -82,10 +82,10 @@ pub use joints::JointMatrices;
 pub use model::{BadParts, Influences, ModelError, MorphModel, SparseTarget, TargetDisplacements};
 pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 pub use query::{
-    Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,
-    PairMemory, PairQuery, PlacedShape, QueryStats, Rank, Ray, RayHit, RayQuery, SelfDistanceQuery, SelfQuery, Shape,
-    ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch,
-    motion, touching_regions,
+    Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexHull, ConvexRegion, DistanceQuery, Facing,
+    HullError, Manifold, PairMemory, PairQuery, PlacedShape, QueryStats, Rank, Ray, RayHit, RayQuery,
+    SelfDistanceQuery, SelfQuery, Shape, ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor,
+    SurfaceFrame, TrianglePair, batch, motion, touching_regions,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};

@@ -22,6 +22,12 @@ pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphSha
         Some(MorphShape::Cuboid {
             half_extents: Vec3::new(0.3, 0.7, 0.5),
         }),
+        Some(MorphShape::RoundCuboid {
+            half_extents: Vec3::new(0.3, 0.1, 0.4),
+            border_radius: 0.2,
+        }),
+        Some(MorphShape::from(Cylinder::new(0.4, 1.2))),
+        Some(MorphShape::from(Cone::new(0.5, 1.0))),
     ];
     let mut all = Vec::new();
     for i in 0..count {
@@ -58,7 +64,30 @@ fn distance(point: Vec3, place: &Transform, shape: Option<MorphShape>) -> f32 {
             (local - Vec3::Y * local.y.clamp(-half_length, half_length)).length() - radius
         }
         Some(MorphShape::Cuboid { half_extents }) => of_box(half_extents),
-        Some(MorphShape::HalfSpace { .. }) => unreachable!("none is spawned"),
+        Some(MorphShape::RoundCuboid {
+            half_extents,
+            border_radius,
+        }) => of_box(half_extents) - border_radius,
+        Some(MorphShape::Cylinder { half_height, radius }) => {
+            let beyond = Vec2::new(local.xz().length() - radius, local.y.abs() - half_height);
+            beyond.max(Vec2::ZERO).length() + beyond.max_element().min(0.0)
+        }
+        Some(MorphShape::Cone { half_height, radius }) => {
+            let (p, tip) = (Vec2::new(local.xz().length(), local.y), Vec2::new(0.0, half_height));
+            let side = Vec2::new(2.0 * half_height, radius).normalize();
+            let (beside, below) = (side.dot(p - tip), -half_height - p.y);
+            let nearest_on = |from: Vec2, to: Vec2| {
+                let t = (p - from).dot(to - from) / (to - from).length_squared();
+                p.distance(from.lerp(to, t.clamp(0.0, 1.0)))
+            };
+            let rim = Vec2::new(radius, -half_height);
+            if beside <= 0.0 && below <= 0.0 {
+                beside.max(below)
+            } else {
+                nearest_on(rim, tip).min(nearest_on(rim, Vec2::new(0.0, -half_height)))
+            }
+        }
+        Some(MorphShape::ConicalFrustum { .. } | MorphShape::HalfSpace { .. }) => unreachable!("none is spawned"),
     }
 }
 

@@ -47,13 +47,13 @@ struct Tally {
 impl Tally {
     fn add(&mut self, state: &ColliderState) {
         self.present += usize::from(state.placed.is_some());
-        self.continuous += usize::from(state.placed.is_some_and(|placed| placed.continuous));
+        self.continuous += usize::from(state.placed.as_ref().is_some_and(|placed| placed.continuous));
         self.held += u64::from(state.freshness.is_held_back());
     }
 
     fn remove(&mut self, state: &ColliderState) {
         self.present -= usize::from(state.placed.is_some());
-        self.continuous -= usize::from(state.placed.is_some_and(|placed| placed.continuous));
+        self.continuous -= usize::from(state.placed.as_ref().is_some_and(|placed| placed.continuous));
         self.held -= u64::from(state.freshness.is_held_back());
     }
 }
@@ -180,7 +180,9 @@ impl Candidates {
                 continue;
             };
             match indices.next() {
-                Some(&(entity, index)) if entity == participant.entity => self.colliders[index as usize].1 = *placed,
+                Some(&(entity, index)) if entity == participant.entity => {
+                    self.colliders[index as usize].1 = placed.clone();
+                }
                 _ => return false,
             }
             let pose = participant.state.pose.as_ref();
@@ -204,7 +206,7 @@ impl Candidates {
         for (&(entity, order), index) in self.order.iter().zip(0..) {
             self.indices[order as usize].1 = index;
             let participant = colliders.get(entity).ok();
-            let placed = participant.and_then(|participant| participant.state.seen_as().copied());
+            let placed = participant.and_then(|participant| participant.state.seen_as().cloned());
             self.colliders.extend(placed.map(|placed| (entity, placed)));
         }
     }

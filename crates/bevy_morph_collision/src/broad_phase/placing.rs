@@ -62,10 +62,11 @@ impl ParticipantItem<'_, '_> {
         if moved {
             state.freshness.placement_changed();
         }
+        let takes_part = placed.is_some();
         let took_part = std::mem::replace(&mut state.placed, placed).is_some();
         state.hold(was_absent, self.collider.tolerance);
         Visit {
-            changed: state.freshness.answers_are_old() && (placed.is_some() || took_part),
+            changed: state.freshness.answers_are_old() && (takes_part || took_part),
             moved,
         }
     }
@@ -102,15 +103,15 @@ impl ParticipantItem<'_, '_> {
         let state = &mut *self.state;
         let settled = !was_absent && !state.freshness.bounds_are_old() && !self.transform.is_changed();
         let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
-        let before = state.placed.filter(|_| settled);
-        let kept = match before.map(|placed| placed.form) {
+        let before = state.placed.as_ref().filter(|_| settled);
+        let kept = match before.map(|placed| &placed.form) {
             Some(Form::Mesh(_)) => state.pose.is_some() && self.shape.is_none(),
             Some(Form::Shape(_)) => self.shape.is_some(),
             None => false,
         };
         // A shape takes precedence over a mesh.
         let (form, bounds) = match (before, &self.shape, state.pose.as_mut().map(LockedPose::get_mut)) {
-            (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
+            (Some(Placement { form, bounds, .. }), ..) if kept => (form.clone(), *bounds),
             (_, Some(shape), _) => {
                 let (shape, bounds) = shape.place(&self.transform).map_err(BadPlacement::Shape)?;
                 (Form::Shape(shape), bounds)

@@ -47,7 +47,7 @@ impl SweptPairs {
         let way = |(entity, placed): &(Entity, Placement)| {
             while before.next_if(|(other, _)| other < entity).is_some() {}
             let (_, before) = before.next_if(|(other, _)| other == entity)?;
-            let are_meshes = matches!((before.form, placed.form), (Form::Mesh(_), Form::Mesh(_)));
+            let are_meshes = matches!((&before.form, &placed.form), (Form::Mesh(_), Form::Mesh(_)));
             let stays = !elsewhere.contains(entity) && !elsewhere.contains(&placed.body);
             (are_meshes && stays).then(|| before.bounds.union(&placed.bounds))
         };

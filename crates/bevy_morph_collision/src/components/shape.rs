@@ -27,8 +27,8 @@ use super::collider::MorphCollider;
 ///
 /// Shapes are solid. The [`GlobalTransform`] places them:
 ///
-/// - A box is scaled along each axis. A capsule's length is scaled along y. A radius takes the largest scale of the axes around
-///   which it is round.
+/// - A box is scaled along each axis. The length of a capsule, a cylinder or a cone is scaled along y. A radius takes the largest scale of
+///   the axes around which it is round.
 /// - Shear is ignored: a sheared shape keeps its right angles.
 ///
 /// Two shapes never collide with each other; leave that to a physics engine.
@@ -52,6 +52,36 @@ pub enum MorphShape {
     Cuboid {
         /// Half the edge lengths.
         half_extents: Vec3,
+    },
+    /// All points within a radius of a box around the origin.
+    RoundCuboid {
+        /// Half the edge lengths of the inner box, without the round border.
+        half_extents: Vec3,
+        /// The radius of the border, which adds to the size.
+        border_radius: f32,
+    },
+    /// A cylinder along the y axis, around the origin.
+    Cylinder {
+        /// Half the height.
+        half_height: f32,
+        /// The radius.
+        radius: f32,
+    },
+    /// A cone along the y axis, with its tip above. The origin is halfway up.
+    Cone {
+        /// Half the height.
+        half_height: f32,
+        /// The radius of the base.
+        radius: f32,
+    },
+    /// A cone along the y axis whose tip has been cut off. The origin is halfway up.
+    ConicalFrustum {
+        /// Half the height.
+        half_height: f32,
+        /// The radius of the lower disc.
+        bottom_radius: f32,
+        /// The radius of the upper disc. It may be the larger one.
+        top_radius: f32,
     },
     /// Everything below the plane through the origin.
     HalfSpace {
@@ -86,26 +116,98 @@ impl From<Cuboid> for MorphShape {
     }
 }
 
+impl From<Cylinder> for MorphShape {
+    fn from(Cylinder { radius, half_height }: Cylinder) -> Self {
+        Self::Cylinder { half_height, radius }
+    }
+}
+
+impl From<Cone> for MorphShape {
+    fn from(Cone { radius, height }: Cone) -> Self {
+        Self::Cone {
+            half_height: 0.5 * height,
+            radius,
+        }
+    }
+}
+
+impl From<ConicalFrustum> for MorphShape {
+    fn from(frustum: ConicalFrustum) -> Self {
+        Self::ConicalFrustum {
+            half_height: 0.5 * frustum.height,
+            bottom_radius: frustum.radius_bottom,
+            top_radius: frustum.radius_top,
+        }
+    }
+}
+
+impl From<InfinitePlane3d> for MorphShape {
+    fn from(InfinitePlane3d { normal }: InfinitePlane3d) -> Self {
+        Self::HalfSpace { normal: *normal }
+    }
+}
+
 impl MorphShape {
     /// The shape in world space, and a box around it.
     pub(crate) fn place(&self, transform: &GlobalTransform) -> Result<(PlacedShape, Aabb), InputError> {
         let (scale, rotation) = scale_and_rotation(transform.affine().matrix3);
         let translation = transform.translation();
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| rotation * axis);
+        let of_box = |half: Vec3| x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
+        // A disc around y reaches along a world axis as far as that axis is not along y.
+        let of_rounds = |half_height: f32, radius: f32| {
+            let beside = (Vec3::ONE - y * y).max(Vec3::ZERO).map(f32::sqrt);
+            y.abs() * half_height + beside * radius
+        };
+        let around = scale.x.max(scale.z);
         let (shape, half) = match *self {
             Self::Ball { radius } => {
                 let radius = radius * scale.max_element();
                 (Shape::Ball { radius }, Vec3::splat(radius))
             }
             Self::Capsule { half_length, radius } => {
-                let (half_length, radius) = (half_length * scale.y, radius * scale.x.max(scale.z));
+                let (half_length, radius) = (half_length * scale.y, radius * around);
                 let half = y.abs() * half_length + radius;
                 (Shape::Capsule { half_length, radius }, half)
             }
             Self::Cuboid { half_extents } => {
                 let half_extents = half_extents * scale;
-                let half = x.abs() * half_extents.x + y.abs() * half_extents.y + z.abs() * half_extents.z;
-                (Shape::Cuboid { half_extents }, half)
+                (Shape::Cuboid { half_extents }, of_box(half_extents))
+            }
+            Self::RoundCuboid {
+                half_extents,
+                border_radius,
+            } => {
+                let (half_extents, border_radius) = (half_extents * scale, border_radius * scale.max_element());
+                let half = of_box(half_extents) + border_radius;
+                let shape = Shape::RoundCuboid {
+                    half_extents,
+                    border_radius,
+                };
+                (shape, half)
+            }
+            Self::Cylinder { half_height, radius } => {
+                let (half_height, radius) = (half_height * scale.y, radius * around);
+                (Shape::Cylinder { half_height, radius }, of_rounds(half_height, radius))
+            }
+            Self::Cone { half_height, radius } => {
+                let (half_height, radius) = (half_height * scale.y, radius * around);
+                (Shape::Cone { half_height, radius }, of_rounds(half_height, radius))
+            }
+            Self::ConicalFrustum {
+                half_height,
+                bottom_radius,
+                top_radius,
+            } => {
+                let [bottom_radius, top_radius] = [bottom_radius, top_radius].map(|radius| radius * around);
+                let half_height = half_height * scale.y;
+                let half = of_rounds(half_height, bottom_radius.max(top_radius));
+                let shape = Shape::ConicalFrustum {
+                    half_height,
+                    bottom_radius,
+                    top_radius,
+                };
+                (shape, half)
             }
             Self::HalfSpace { normal } => (Shape::HalfSpace { normal }, Vec3::INFINITY),
         };
@@ -157,6 +259,16 @@ mod tests {
             MorphShape::Cuboid {
                 half_extents: Vec3::new(1.0, 2.0, 0.1),
             },
+            MorphShape::RoundCuboid {
+                half_extents: Vec3::new(1.0, 2.0, 0.1),
+                border_radius: 0.3,
+            },
+            MorphShape::from(Cylinder::new(0.4, 3.0)),
+            MorphShape::from(ConicalFrustum {
+                radius_top: 0.4,
+                radius_bottom: 0.3,
+                height: 2.0,
+            }),
         ];
         for shape in shapes {
             let (placed, bounds) = shape.place(&place).unwrap();

@@ -290,7 +290,10 @@ mod tests {
             Vec3::new(x, 0.0, if i.is_multiple_of(2) { 2.0 } else { 0.0 })
         };
         let (was, _) = row(30, was);
-        let was: Vec<_> = was.iter().map(|placement| (placement.body, *placement)).collect();
+        let was: Vec<_> = was
+            .iter()
+            .map(|placement| (placement.body, placement.clone()))
+            .collect();
         swept.remember(&was);
         let mut starts = Starts::default();
         starts.prepare(&jobs, &placed, &swept);

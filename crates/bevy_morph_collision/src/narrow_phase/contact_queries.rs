@@ -33,7 +33,7 @@ impl ContactQueries {
     ) -> Option<MorphContact> {
         let (pair, limit) = (view.pair(comparison), view.limit);
         let empty = MorphContact::of(comparison, pair);
-        match (known, pair[0].placement.form, pair[1].placement.form) {
+        match (known, &pair[0].placement.form, &pair[1].placement.form) {
             (
                 BatchResult::Triangles {
                     triangles,
@@ -48,7 +48,7 @@ impl ContactQueries {
                 self.with_mesh(contact, pair, std::mem::take(triangles), limit, stats)
             }
             (BatchResult::NotAsked, _, Form::Shape(shape)) | (BatchResult::NotAsked, Form::Shape(shape), _) => {
-                self.with_shape(empty, pair, &shape, limit, stats)
+                self.with_shape(empty, pair, shape, limit, stats)
             }
             (BatchResult::NotAsked, Form::Mesh(_), Form::Mesh(_)) | (BatchResult::Apart, ..) => None,
         }

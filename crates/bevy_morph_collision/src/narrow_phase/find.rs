@@ -149,7 +149,7 @@ impl NarrowPhase {
                 unchanged += 1;
                 continue;
             }
-            match (placed[a].placement.form, placed[b].placement.form) {
+            match (&placed[a].placement.form, &placed[b].placement.form) {
                 (Form::Mesh(_), Form::Mesh(_)) => self.comparisons.push(comparison),
                 (Form::Shape(_), Form::Shape(_)) => {}
                 _ => jobs.push(Job {

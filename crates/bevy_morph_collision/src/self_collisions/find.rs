@@ -91,7 +91,8 @@ fn run_all(jobs: Vec<Job<'_>>) {
 
 /// The mesh of a collider, if it takes part in this run. Disabled entities are not read and keep their last place.
 fn taking_part<'a>(collider: &'a mut ColliderState, runs: &Runs) -> Option<(&'a mut Pose, WorldFromModel)> {
-    let Form::Mesh(world_from_model) = collider.placed.filter(|_| collider.freshness.is_seen(runs))?.form else {
+    let placed = collider.placed.as_ref().filter(|_| collider.freshness.is_seen(runs))?;
+    let Form::Mesh(world_from_model) = placed.form else {
         return None;
     };
     Some((collider.pose_mut()?, world_from_model))

@@ -10,7 +10,7 @@ impl MorphSpatialQuery<'_, '_> {
     /// A conservative world-space box around a collider in its current pose, computed from the root of its tree only.
     #[must_use]
     pub fn bounds(&self, collider: Entity) -> Option<Aabb> {
-        Some(self.state(collider)?.placed?.bounds)
+        Some(self.state(collider)?.placed.as_ref()?.bounds)
     }
 
     /// A vertex of a collider's mesh in its current pose, in world space.

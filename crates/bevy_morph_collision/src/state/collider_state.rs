@@ -56,7 +56,7 @@ impl ColliderState {
     /// Updates the state that collisions see, unless the collider has moved by at most its tolerance since the last update.
     /// Returns whether collisions see an earlier state.
     pub(crate) fn hold(&mut self, was_absent: bool, tolerance: f32) -> bool {
-        let Some(placed) = self.placed.filter(|_| tolerance > 0.0) else {
+        let Some(placed) = self.placed.as_ref().filter(|_| tolerance > 0.0).cloned() else {
             self.held = None;
             self.freshness.stop_holding();
             return false;

@@ -49,11 +49,10 @@ impl Held {
 
     /// Whether only poses and transforms differ, and no point has moved by more than the tolerance.
     pub(super) fn is_within_tolerance(&mut self, pose: Option<&mut Pose>, placed: &Placement) -> bool {
-        let Placement { form, bounds, .. } = self.placed;
         let rest = Placement {
-            form,
-            bounds,
-            ..*placed
+            form: self.placed.form.clone(),
+            bounds: self.placed.bounds,
+            ..placed.clone()
         };
         if rest != self.placed {
             return false;

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use morph_collision::{Aabb, PlacedShape, WorldFromModel};
 
 /// Everything besides the pose that the broad and narrow phases depend on.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Placement {
     pub(crate) form: Form,
     pub(crate) body: Entity,
@@ -18,7 +18,7 @@ pub(crate) struct Placement {
 }
 
 /// The collider's geometry, placed in the world.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub(crate) enum Form {
     /// The identity for a skinned mesh: its joints place it.
     Mesh(WorldFromModel),
@@ -43,7 +43,7 @@ impl Placement {
             Some(Skip::Layers)
         } else if self.mode.max(other.mode) == MorphCollisionMode::Passive {
             Some(Skip::Passive)
-        } else if matches!((self.form, other.form), (Form::Shape(_), Form::Shape(_))) {
+        } else if matches!((&self.form, &other.form), (Form::Shape(_), Form::Shape(_))) {
             Some(Skip::Rigid)
         } else {
             None

@@ -46,6 +46,9 @@ pub use input::{ConvexRegion, Ray};
 pub use pairs::{PairMemory, PairQuery, SelfQuery, touching_regions};
 pub use rank::Rank;
 pub use ray::{Facing, RayHit, RayQuery};
-pub use shape::{ClosestPoint, PlacedShape, Shape, ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery};
+pub use shape::{
+    ClosestPoint, ConvexHull, HullError, PlacedShape, Shape, ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact,
+    ShapeQuery,
+};
 pub use stats::QueryStats;
 pub use triangle_pair::TrianglePair;

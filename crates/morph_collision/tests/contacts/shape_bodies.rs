@@ -91,7 +91,12 @@ fn signed_distances_agree_with_a_search_and_contacts_hold_together() {
                 assert!((unit - 1.0).abs() < 1e-12 || unit == 0.0, "{name}: {contact:?}");
             }
             // Check some of them with an independent search, which is slow.
-            for contact in contacts.iter().step_by(7) {
+            let step = match twin.shape {
+                Shape::Ball { .. } | Shape::Capsule { .. } | Shape::Cuboid { .. } | Shape::HalfSpace { .. } => 7,
+                Shape::ConvexHull(_) => 1000,
+                _ => 150,
+            };
+            for contact in contacts.iter().step_by(step) {
                 let searched = twin.of_triangle(&placed.triangles[contact.triangle as usize]);
                 assert!(
                     (searched - contact.distance).abs() < 1e3 * tolerance,
@@ -257,7 +262,7 @@ fn few_nodes_are_looked_at() {
     let nodes = placed.pose.bvh().node_count() as u64;
     let mut query = ShapeQuery::new();
     for shape in [Shape::Ball { radius: 0.5 }, Shape::HalfSpace { normal: Vec3::NEG_X }] {
-        let far = Twin::new(shape, Quat::IDENTITY, Vec3::X * 5.0);
+        let far = Twin::new(shape.clone(), Quat::IDENTITY, Vec3::X * 5.0);
         assert!(!query.any(placed.body(), &far.placed));
         let stats = query.stats();
         assert_eq!((stats.node_tests, stats.triangle_tests), (1, 0), "{shape:?}");
@@ -286,7 +291,7 @@ fn few_nodes_are_looked_at() {
     ] {
         placed.pose.set_weights(&[0.0, 0.0]).unwrap();
         placed.pose.set_weights(&[0.1, 0.1]).unwrap();
-        let twin = Twin::new(shape, Quat::from_rotation_z(0.3), near);
+        let twin = Twin::new(shape.clone(), Quat::from_rotation_z(0.3), near);
         let mut found = 0;
         query.visit(placed.body(), &twin.placed, |_| {
             found += 1;

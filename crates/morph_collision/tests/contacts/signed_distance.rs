@@ -1,7 +1,9 @@
 //! An independent implementation of signed distances. For a triangle, it searches for the smallest.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DQuat, DVec2, DVec3, Quat, Vec3};
-use morph_collision::{PlacedShape, Shape};
+use morph_collision::{ConvexHull, PlacedShape, Shape};
 
 /// A shape, with the same numbers for the independent implementation.
 pub(crate) struct Twin {
@@ -15,7 +17,7 @@ impl Twin {
     pub(crate) fn new(shape: Shape, rotation: Quat, translation: Vec3) -> Self {
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         Self {
-            shape,
+            shape: shape.clone(),
             placed: PlacedShape::new(shape, rotation, translation).unwrap(),
             rotation: DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize()),
             translation: translation.as_dvec3(),
@@ -25,16 +27,25 @@ impl Twin {
     /// The signed distance of a point: the usual formulas in the shape's own space.
     pub(crate) fn of_point(&self, point: DVec3) -> f64 {
         let p = self.rotation.transpose() * (point - self.translation);
-        match self.shape {
+        match self.shape.clone() {
             Shape::Ball { radius } => p.length() - f64::from(radius),
             Shape::Capsule { half_length, radius } => {
                 let beyond = (p.y.abs() - f64::from(half_length)).max(0.0);
                 DVec3::new(p.x, beyond, p.z).length() - f64::from(radius)
             }
-            Shape::Cuboid { half_extents } => {
-                let q = p.abs() - half_extents.as_dvec3();
-                q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
-            }
+            Shape::Cuboid { half_extents } => of_box(p, half_extents.as_dvec3()),
+            Shape::RoundCuboid {
+                half_extents,
+                border_radius,
+            } => of_box(p, half_extents.as_dvec3()) - f64::from(border_radius),
+            Shape::Cylinder { half_height, radius } => of_trapezium(p, half_height, [radius; 2]),
+            Shape::Cone { half_height, radius } => of_trapezium(p, half_height, [radius, 0.0]),
+            Shape::ConicalFrustum {
+                half_height,
+                bottom_radius,
+                top_radius,
+            } => of_trapezium(p, half_height, [bottom_radius, top_radius]),
+            Shape::ConvexHull(hull) => of_hull(p, &hull),
             Shape::HalfSpace { normal } => p.dot(normal.as_dvec3().normalize()),
         }
     }
@@ -46,6 +57,46 @@ impl Twin {
             smallest(|t| self.of_point(p.lerp(q, t)))
         })
     }
+}
+
+fn of_box(p: DVec3, half: DVec3) -> f64 {
+    let q = p.abs() - half;
+    q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+}
+
+/// The signed distance from a solid of revolution whose outline is a trapezium: as a polygon in the plane, by the nearest edge and a sign.
+fn of_trapezium(p: DVec3, half_height: f32, radii: [f32; 2]) -> f64 {
+    let (h, [low, high]) = (f64::from(half_height), radii.map(f64::from));
+    let p = DVec2::new(p.x.hypot(p.z), p.y);
+    if h == 0.0 {
+        return DVec2::new((p.x - low.max(high)).max(0.0), p.y).length();
+    }
+    let corners = [
+        DVec2::new(-low, -h),
+        DVec2::new(low, -h),
+        DVec2::new(high, h),
+        DVec2::new(-high, h),
+    ];
+    let mut nearest = f64::INFINITY;
+    let mut is_inside = true;
+    for (i, a) in corners.into_iter().enumerate() {
+        let along = corners[(i + 1) % 4] - a;
+        let t = (p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        nearest = nearest.min(p.distance(a + along * t.clamp(0.0, 1.0)));
+        is_inside &= along.perp_dot(p - a) >= 0.0;
+    }
+    if is_inside { -nearest } else { nearest }
+}
+
+fn of_hull(p: DVec3, hull: &ConvexHull) -> f64 {
+    let faces = hull.faces().iter().map(|face| face.map(|i| hull.points()[i as usize]));
+    let mut nearest = f64::INFINITY;
+    let mut is_inside = true;
+    for [a, b, c] in faces {
+        nearest = nearest.min(crate::triangles::distance(p, &[a, b, c]));
+        is_inside &= (b - a).cross(c - a).dot(p - a) <= 0.0;
+    }
+    if is_inside { -nearest } else { nearest }
 }
 
 /// The minimum over 0..=1 of a convex function.
@@ -68,6 +119,23 @@ fn smallest(f: impl Fn(f64) -> f64) -> f64 {
         }
     }
     best
+}
+
+fn tetrahedron(size: f32) -> Arc<ConvexHull> {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|corner| (corner - 0.2) * size);
+    Arc::new(ConvexHull::new(&corners).unwrap())
+}
+
+/// A hull of 12 points, and a smaller copy inside that does not count.
+fn pebble(size: f32) -> Arc<ConvexHull> {
+    let point = |i: u32| {
+        let (i, turn) = (i as f32, 2.4 * i as f32);
+        let y = (i + 0.5) / 6.0 - 1.0;
+        let around = (1.0 - y * y).sqrt();
+        Vec3::new(around * turn.cos(), 0.5 * y, around * turn.sin()) * size
+    };
+    let points: Vec<Vec3> = (0..12).flat_map(|i| [point(i) * 0.5, point(i)]).collect();
+    Arc::new(ConvexHull::new(&points).unwrap())
 }
 
 /// Every kind of shape around `middle`: small and large, round and flat, around everything, and collapsed to a point.
@@ -105,6 +173,41 @@ pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
             normal: Vec3::new(0.3, 2.0, -0.5),
         },
         Shape::HalfSpace { normal: Vec3::NEG_Z },
+        Shape::RoundCuboid {
+            half_extents: Vec3::new(0.3, 0.0, 0.2) * radius,
+            border_radius: 0.2 * radius,
+        },
+        Shape::Cylinder {
+            half_height: 0.5 * radius,
+            radius: 0.3 * radius,
+        },
+        Shape::Cylinder {
+            half_height: 0.0,
+            radius: 0.9 * radius,
+        },
+        Shape::Cylinder {
+            half_height: 0.9 * radius,
+            radius: 0.0,
+        },
+        Shape::Cylinder {
+            half_height: 20.0 * radius,
+            radius: 15.0 * radius,
+        },
+        Shape::Cone {
+            half_height: 0.6 * radius,
+            radius: 0.5 * radius,
+        },
+        Shape::Cone {
+            half_height: 0.05 * radius,
+            radius: 3.0 * radius,
+        },
+        Shape::ConicalFrustum {
+            half_height: 0.4 * radius,
+            bottom_radius: 0.2 * radius,
+            top_radius: 0.7 * radius,
+        },
+        Shape::ConvexHull(tetrahedron(0.7 * radius)),
+        Shape::ConvexHull(pebble(1.2 * radius)),
         // A segment, and a point.
         Shape::Capsule {
             half_length: 2.0 * radius,
@@ -118,7 +221,7 @@ pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
     let mut all = Vec::new();
     for (i, shape) in shapes.into_iter().enumerate() {
         for (j, offset) in offsets.into_iter().enumerate() {
-            all.push(Twin::new(shape, turns[(i + j) % 2], middle + offset * radius));
+            all.push(Twin::new(shape.clone(), turns[(i + j) % 2], middle + offset * radius));
         }
     }
     all

@@ -1,7 +1,9 @@
 //! Shape casts, checked against distances from triangles that are measured along the path.
 
+use std::sync::Arc;
+
 use glam::{DVec3, EulerRot, Quat, Vec3};
-use morph_collision::{Body, PlacedShape, Shape, ShapeQuery};
+use morph_collision::{Body, ConvexHull, PlacedShape, Shape, ShapeQuery};
 
 use crate::bodies::{self, Case, Random, box_around};
 use crate::reference::{Corners, point_triangle, touch};
@@ -27,6 +29,24 @@ impl Moving {
             Shape::Cuboid {
                 half_extents: Vec3::new(length(), length(), length()),
             },
+            Shape::Cylinder {
+                half_height: length(),
+                radius: length(),
+            },
+            Shape::ConicalFrustum {
+                half_height: length(),
+                bottom_radius: 2.0 * length(),
+                top_radius: length(),
+            },
+            Shape::ConvexHull(Arc::new(
+                ConvexHull::new(&[
+                    Vec3::ZERO,
+                    Vec3::X * length(),
+                    Vec3::Y * length(),
+                    Vec3::new(length(), -length(), length()),
+                ])
+                .unwrap(),
+            )),
         ];
         let turn = |shape| Self {
             shape,
@@ -41,7 +61,7 @@ impl Moving {
     }
 
     fn placed(&self, at: DVec3) -> PlacedShape {
-        PlacedShape::new(self.shape, self.rotation, at.as_vec3()).unwrap()
+        PlacedShape::new(self.shape.clone(), self.rotation, at.as_vec3()).unwrap()
     }
 
     /// The distance of a triangle from the shape at `at`, from many sampled points: an upper bound, and by how much it is too large at
@@ -58,10 +78,11 @@ impl Moving {
                 (nearest - f64::from(radius), f64::from(half_length) / 32.0)
             }
             Shape::Cuboid { half_extents } => {
-                let corner = |i: usize| {
+                let corners = (0..8).map(|i| {
                     let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
                     turned(half_extents * Vec3::new(sign(1), sign(2), sign(4)))
-                };
+                });
+                let corners: Vec<_> = corners.collect();
                 let faces = [
                     [0, 1, 3, 2],
                     [4, 5, 7, 6],
@@ -70,31 +91,71 @@ impl Moving {
                     [0, 2, 6, 4],
                     [1, 3, 7, 5],
                 ];
-                let mut nearest = f64::INFINITY;
-                for [a, b, c, d] in faces {
-                    for half in [[a, b, c], [a, c, d]] {
-                        let face = half.map(corner);
-                        if touch(&face, triangle) {
-                            return (0.0, 0.0);
-                        }
-                        for p in triangle {
-                            nearest = nearest.min(point_triangle(*p, &face));
-                        }
-                        for p in face {
-                            nearest = nearest.min(point_triangle(p, triangle));
-                        }
-                        for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (face[i], face[j])) {
-                            for k in 0..=16 {
-                                nearest = nearest.min(point_triangle(p.lerp(q, f64::from(k) / 16.0), triangle));
-                            }
-                        }
-                    }
-                }
-                (nearest, f64::from(half_extents.max_element()) / 8.0)
+                let halves = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+                let faces = halves.map(|half| half.map(|i| corners[i]));
+                (sampled(faces, triangle), f64::from(half_extents.max_element()) / 8.0)
             }
-            Shape::HalfSpace { .. } => unreachable!("none is cast here"),
+            Shape::ConvexHull(ref hull) => {
+                let corner = |i: u32| at + self.rotation.as_dquat().normalize() * hull.points()[i as usize];
+                let faces = hull.faces().iter().map(|face| face.map(corner));
+                let size = hull.points().iter().map(|p| p.length()).fold(0.0, f64::max);
+                (sampled(faces, triangle), size / 8.0)
+            }
+            Shape::Cylinder { half_height, radius } => {
+                let shape = Shape::ConicalFrustum {
+                    half_height,
+                    bottom_radius: radius,
+                    top_radius: radius,
+                };
+                let rotation = self.rotation;
+                Self { shape, rotation }.distance(at, triangle)
+            }
+            Shape::ConicalFrustum {
+                half_height,
+                bottom_radius,
+                top_radius,
+            } => {
+                const SIDES: usize = 24;
+                let rim = |i: usize, radius: f32, y: f32| {
+                    let (sin, cos) = (i as f32 / SIDES as f32 * std::f32::consts::TAU).sin_cos();
+                    turned(Vec3::new(radius * cos, y, radius * sin))
+                };
+                let (bottom, top) = (turned(Vec3::NEG_Y * half_height), turned(Vec3::Y * half_height));
+                let faces = (0..SIDES).flat_map(|i| {
+                    let [a, b] = [i, i + 1].map(|i| rim(i, bottom_radius, -half_height));
+                    let [c, d] = [i, i + 1].map(|i| rim(i, top_radius, half_height));
+                    [[a, b, c], [b, d, c], [a, b, bottom], [c, d, top]]
+                });
+                let size = f64::from(half_height.max(bottom_radius).max(top_radius));
+                (sampled(faces, triangle), size / 8.0 + 0.01 * size)
+            }
+            Shape::RoundCuboid { .. } | Shape::Cone { .. } | Shape::HalfSpace { .. } => {
+                unreachable!("none is cast here")
+            }
         }
     }
+}
+
+/// The distance of a triangle from sampled points of others.
+fn sampled(faces: impl Iterator<Item = Corners>, triangle: &Corners) -> f64 {
+    let mut nearest = f64::INFINITY;
+    for face in faces {
+        if touch(&face, triangle) {
+            return 0.0;
+        }
+        for p in triangle {
+            nearest = nearest.min(point_triangle(*p, &face));
+        }
+        for p in face {
+            nearest = nearest.min(point_triangle(p, triangle));
+        }
+        for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (face[i], face[j])) {
+            for k in 0..=16 {
+                nearest = nearest.min(point_triangle(p.lerp(q, f64::from(k) / 16.0), triangle));
+            }
+        }
+    }
+    nearest
 }
 
 fn check(case: &Case, random: &mut Random) -> [usize; 3] {

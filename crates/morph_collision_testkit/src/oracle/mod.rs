@@ -30,5 +30,5 @@ pub use pairs::intersecting_pairs;
 pub(crate) use pairs::visit_intersecting_pairs;
 pub use ray::ray_parameter;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};
-pub use triangles::triangles_intersect;
+pub use triangles::{plane_side, triangles_intersect};
 pub use vertex::{posed_vertices, skinned_vertices, world_vertices};

@@ -31,6 +31,17 @@ pub fn triangles_intersect(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     !separated(&a, &b) && hulls_meet(&a, &b)
 }
 
+/// The side of a triangle's plane on which a point lies; `Greater` if the triangle is anticlockwise seen from the point. Exact.
+///
+/// # Panics
+/// If a coordinate is not finite.
+pub fn plane_side(triangle: &[DVec3; 3], point: DVec3) -> Ordering {
+    assert!(triangle.iter().chain([&point]).all(|vertex| vertex.is_finite()));
+    let ([a, b, c], [p, ..]) = to_integers(triangle, &[point; 3]);
+    let normal = cross(&subtract(&b, &a), &subtract(&c, &a));
+    dot(&normal, &subtract(&p, &a)).cmp(&BigInt::ZERO)
+}
+
 /// The vertices of both triangles as whole multiples of the same power of two.
 fn to_integers(a: &[DVec3; 3], b: &[DVec3; 3]) -> ([Vector; 3], [Vector; 3]) {
     let unit = a

@@ -124,7 +124,7 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         24 => {
             let rotation = Quat::from_xyzw(0.0, bad, 0.0, 1.0);
             let ball = Shape::Ball { radius: 1.0 };
-            refused(PlacedShape::new(ball, rotation, Vec3::ONE), &["rotation"])?;
+            refused(PlacedShape::new(ball.clone(), rotation, Vec3::ONE), &["rotation"])?;
             refused(PlacedShape::new(ball, Quat::IDENTITY, with(bad)), &["translation"])
         }
         25 => refused(BuildOptions::default().with_leaf_size(0), &["leaf_size", "0"]),

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::placed::{PlacedShape, Solid};
+use super::solid::Solid;
 use crate::bounds::{Box64, DistanceCull, PlacedBounds};
-use crate::exact::{Segment, closest_on_segment};
+use crate::exact::Segment;
 use crate::query::Body;
 
 /// Lower bounds of distances from a point, a ball or a capsule.
@@ -19,7 +19,7 @@ pub(super) fn distance_cull(body: &mut Body<'_>, axis: Segment, radius: f64) -> 
 /// Any direction gives a bound: the gap along it between the shape and the box taken to world space. The directions tried are the
 /// normals of the box's faces, which are the same for every node, and the direction from the shape to the box's centre.
 pub(super) struct NodeBound<'a> {
-    shape: &'a PlacedShape,
+    solid: &'a Solid,
     body: PlacedBounds,
     /// The unit normals of a box's faces, with the shape's supports along and against each. A normal is zero if the body is flattened.
     faces: [(DVec3, [f64; 2]); 3],
@@ -32,16 +32,16 @@ const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> NodeBound<'a> {
     /// Creates the bounds for nodes inside the bounds of `body`.
-    pub(super) fn new(shape: &'a PlacedShape, body: PlacedBounds) -> Self {
+    pub(super) fn new(solid: &'a Solid, body: PlacedBounds) -> Self {
         let m = body.world_from_model().linear();
         let faces = [(m.y_axis, m.z_axis), (m.z_axis, m.x_axis), (m.x_axis, m.y_axis)].map(|(u, v)| {
             // Normalise first, to avoid overflow.
             let direction = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
-            (direction, [shape.support(direction), shape.support(-direction)])
+            (direction, [solid.support(direction), solid.support(-direction)])
         });
-        let slack = ROUNDING * (body.world_reach().element_sum() + shape.reach()) + 3.0 * body.error();
+        let slack = ROUNDING * (body.world_reach().element_sum() + solid.reach()) + 3.0 * body.error();
         Self {
-            shape,
+            solid,
             body,
             faces,
             slack,
@@ -56,8 +56,8 @@ impl<'a> NodeBound<'a> {
         let radius_along = |w: DVec3| {
             (w.dot(m.x_axis) * half.x).abs() + (w.dot(m.y_axis) * half.y).abs() + (w.dot(m.z_axis) * half.z).abs()
         };
-        let outward = self.shape.outward(center);
-        let mut bound = outward.dot(center) - radius_along(outward) - self.shape.support(outward);
+        let outward = self.solid.outward(center);
+        let mut bound = outward.dot(center) - radius_along(outward) - self.solid.support(outward);
         // A zero direction gives no bound.
         for (direction, supports) in self.faces.iter().filter(|(direction, _)| *direction != DVec3::ZERO) {
             let (along, radius) = (direction.dot(center), radius_along(*direction));
@@ -68,35 +68,5 @@ impl<'a> NodeBound<'a> {
         let bound = bound - self.slack;
         // After an overflow, cull nothing.
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
-    }
-}
-
-impl PlacedShape {
-    /// The largest `direction . x` over the shape; may be infinite.
-    pub(super) fn support(&self, direction: DVec3) -> f64 {
-        match &self.solid {
-            Solid::Round { axis: [p, q], radius } => direction.dot(*p).max(direction.dot(*q)) + radius,
-            Solid::Cuboid(cuboid) => cuboid.support(direction),
-            Solid::HalfSpace { point, normal } if direction == *normal => direction.dot(*point),
-            Solid::HalfSpace { .. } => f64::INFINITY,
-        }
-    }
-
-    /// The gradient of the signed distance at a point, a unit vector. Arbitrary if the gradient does not exist.
-    pub(super) fn outward(&self, point: DVec3) -> DVec3 {
-        match &self.solid {
-            Solid::Round { axis, .. } => (point - closest_on_segment(point, *axis)).normalize_or(DVec3::X),
-            Solid::Cuboid(cuboid) => cuboid.outward(point),
-            Solid::HalfSpace { normal, .. } => *normal,
-        }
-    }
-
-    /// An upper bound for the coordinates involved in a distance to the shape.
-    pub(super) fn reach(&self) -> f64 {
-        match &self.solid {
-            Solid::Round { axis: [p, q], radius } => p.abs().max(q.abs()).max_element() + radius,
-            Solid::Cuboid(cuboid) => cuboid.reach(),
-            Solid::HalfSpace { point, .. } => point.abs().max_element(),
-        }
     }
 }

@@ -7,7 +7,9 @@ use glam::DVec3;
 use super::ShapeQuery;
 use super::closest::Closest;
 use super::placed::PlacedShape;
+use super::solid::Solid;
 use crate::bounds::{Box64, ByBox, PlacedBounds};
+use crate::exact::largest;
 use crate::input_error::{InputError, check_direction, check_length};
 use crate::query::Body;
 use crate::query::rank::Rank;
@@ -105,7 +107,7 @@ pub(super) fn unit_direction(direction: DVec3) -> Result<DVec3, InputError> {
 
 /// How far a shape must move along a unit vector to touch a convex target; `None` if that is farther than `limit`, or if it never touches.
 ///
-/// `closest` takes the moved shape and returns its distance from the target, with the normal of a plane that separates them.
+/// `closest` takes a moved part of the shape and returns its distance from the target, with the normal of a plane that separates them.
 ///
 /// Until the shape has crossed the gap along that normal, the two stay apart. So each step moves the shape that far and asks for the next
 /// plane. This is Newton's method for a convex function: it needs few steps and approaches the contact from the near side.
@@ -113,7 +115,24 @@ pub(super) fn first_impact(
     shape: &PlacedShape,
     direction: DVec3,
     limit: f64,
-    closest: impl Fn(&PlacedShape) -> Closest,
+    closest: impl Fn(&Solid) -> Closest,
+) -> Option<ShapeImpact> {
+    let mut first: Option<ShapeImpact> = None;
+    for solid in shape.solids() {
+        let limit = first.map_or(limit, |first| first.distance);
+        let impact = first_impact_of_solid(solid, direction, limit, &closest);
+        if impact.is_some_and(|impact| first.is_none_or(|first| impact.distance < first.distance)) {
+            first = impact;
+        }
+    }
+    first
+}
+
+fn first_impact_of_solid(
+    solid: &Solid,
+    direction: DVec3,
+    limit: f64,
+    closest: impl Fn(&Solid) -> Closest,
 ) -> Option<ShapeImpact> {
     /// If a path grazes the target, each step halves the remaining distance. This is more steps than an `f64` has bits.
     const MAX_STEPS: usize = 64;
@@ -121,9 +140,9 @@ pub(super) fn first_impact(
     /// rounding error.
     const TOUCHING: f64 = 1e-13;
     let mut distance = 0.0;
-    let mut touching = closest(shape);
+    let mut touching = closest(solid);
     for _ in 0..MAX_STEPS {
-        let reach = shape.reach() + distance + touching.point.abs().max_element();
+        let reach = solid.reach() + distance + touching.point.abs().max_element();
         if touching.distance <= TOUCHING * reach {
             break;
         }
@@ -135,7 +154,7 @@ pub(super) fn first_impact(
         if distance.is_nan() || distance > limit {
             return None;
         }
-        let now = closest(&shape.moved_by(direction * distance));
+        let now = closest(&solid.moved_by(direction * distance));
         touching = Closest {
             normal: if now.distance <= TOUCHING * reach {
                 touching.normal
@@ -150,25 +169,6 @@ pub(super) fn first_impact(
         point: touching.point,
         normal: -touching.normal,
     })
-}
-
-impl PlacedShape {
-    /// The shape, moved by an offset.
-    pub(super) fn moved_by(&self, offset: DVec3) -> Self {
-        use super::placed::Solid;
-        let solid = match self.solid {
-            Solid::Round { axis, radius } => Solid::Round {
-                axis: axis.map(|end| end + offset),
-                radius,
-            },
-            Solid::Cuboid(cuboid) => Solid::Cuboid(cuboid.moved_by(offset)),
-            Solid::HalfSpace { point, normal } => Solid::HalfSpace {
-                point: point + offset,
-                normal,
-            },
-        };
-        Self { solid }
-    }
 }
 
 /// Lower bounds on how far a shape must move to touch anything in a node's box.
@@ -186,7 +186,8 @@ impl Sweep {
     fn new(shape: &PlacedShape, direction: DVec3, body: PlacedBounds) -> Self {
         let across = direction.any_orthonormal_pair();
         let along = [direction, across.0, across.1, DVec3::X, DVec3::Y, DVec3::Z];
-        let slabs = along.map(|w| (w, [-shape.support(-w), shape.support(w)], w.dot(direction)));
+        let support = |w: DVec3| largest(shape.solids().iter().map(|solid| solid.support(w)));
+        let slabs = along.map(|w| (w, [-support(-w), support(w)], w.dot(direction)));
         let slack = ROUNDING * (body.world_reach().element_sum() + shape.reach()) + 3.0 * body.error();
         Self { body, slabs, slack }
     }

@@ -1,22 +1,29 @@
-//! Queries for a body against points, convex regions, balls, capsules, cuboids and half-spaces.
+//! Queries for a body against points, convex regions and shapes.
 //!
-//! All shapes are convex and are defined by the *signed distance* of a point: positive outside, zero on the surface and negative
-//! inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`, so any direction gives a lower bound
-//! for a node (`bound`). A triangle's signed distance is the minimum over its points.
+//! A shape is one convex solid or several. A solid is a half-space, or everything within a radius of a `core`.
+//!
+//! A solid is defined by the *signed distance* of a point: positive outside, zero on the surface and negative inside. It is a convex
+//! function, the maximum of `w . x - support(w)` over all unit vectors `w`, so any direction gives a lower bound for a node (`bound`). A
+//! triangle's signed distance is the minimum over its points.
 
 mod batch;
 mod bound;
 mod cast;
 mod closest;
-mod cuboid;
+mod core;
+mod hull;
+mod kinds;
 mod pair;
 mod placed;
 mod point;
 mod query;
 mod region;
+mod solid;
 
 pub use cast::{ShapeCastHit, ShapeImpact};
+pub use hull::{ConvexHull, HullError};
+pub use kinds::Shape;
 pub use pair::ShapeGap;
-pub use placed::{PlacedShape, Shape};
+pub use placed::PlacedShape;
 pub use point::ClosestPoint;
 pub use query::{ShapeContact, ShapeQuery};

@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::bound::{NodeBound, distance_cull};
-use super::placed::{PlacedShape, Solid};
+use super::core::Core;
+use super::placed::PlacedShape;
+use super::solid::Solid;
 use crate::bounds::{Box64, ByBox};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_number};
@@ -184,13 +186,30 @@ impl ShapeQuery {
         limit: f64,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) {
-        let _stopped_early = if let Solid::Round { axis, radius } = shape.solid {
-            let bounds = distance_cull(&mut body, axis, radius);
-            self.one.walk(body, limit, &bounds, &mut at_triangle)
-        } else {
-            let bound = NodeBound::new(shape, body.posed().placed_body().placed);
-            let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
-            self.one.walk(body, limit, &bounds, &mut at_triangle)
+        let _stopped_early = match shape.solids() {
+            [
+                Solid::Round {
+                    core: Core::Segment(axis),
+                    radius,
+                },
+            ] => {
+                let bounds = distance_cull(&mut body, *axis, *radius);
+                self.one.walk(body, limit, &bounds, &mut at_triangle)
+            }
+            [solid] => {
+                let bound = NodeBound::new(solid, body.posed().placed_body().placed);
+                let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
+                self.one.walk(body, limit, &bounds, &mut at_triangle)
+            }
+            solids => {
+                let placed = body.posed().placed_body().placed;
+                let each: Vec<_> = solids.iter().map(|solid| NodeBound::new(solid, placed)).collect();
+                let bounds = ByBox(|node: &Box64| {
+                    let lower_bounds = each.iter().map(|bound| bound.lower_bound(node));
+                    Some(lower_bounds.fold(f64::INFINITY, f64::min))
+                });
+                self.one.walk(body, limit, &bounds, &mut at_triangle)
+            }
         };
     }
 }

@@ -2,9 +2,10 @@
 
 use std::cmp::Ordering::Equal;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use super::closest::Closest;
+use super::super::closest::Closest;
+use super::frame::Frame;
 use crate::exact::{
     ClosestPoints, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, largest, plane_side,
     triangles_intersect,
@@ -12,10 +13,9 @@ use crate::exact::{
 
 /// A box in world space, given by its frame. Exact answers refer to its eight corners as rounded by [`Cuboid::corners`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cuboid {
+pub(in super::super) struct Cuboid {
     half: DVec3,
-    rotation: DMat3,
-    center: DVec3,
+    frame: Frame,
 }
 
 /// The corners of each face, in order. The diagonal from the first corner splits the face into two triangles; it is part of the
@@ -33,19 +33,21 @@ const FACES: [[usize; 4]; 6] = [
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Cuboid {
-    pub(super) fn new(half: DVec3, rotation: DMat3, center: DVec3) -> Self {
-        Self { half, rotation, center }
+    pub(in super::super) fn new(half: DVec3, frame: Frame) -> Self {
+        Self { half, frame }
     }
 
     pub(super) fn center(&self) -> DVec3 {
-        self.center
+        self.frame.center
     }
 
-    pub(super) fn moved_by(&self, offset: DVec3) -> Self {
-        Self {
-            center: self.center + offset,
-            ..*self
-        }
+    pub(super) fn spread(&self) -> (Frame, DVec3) {
+        (self.frame, self.half)
+    }
+
+    pub(super) fn moved_by(mut self, offset: DVec3) -> Self {
+        self.frame.center += offset;
+        self
     }
 
     /// Corner `i` in the box's own frame. Bit `k` selects the upper end along axis `k`.
@@ -55,7 +57,7 @@ impl Cuboid {
     }
 
     fn corners(&self) -> [DVec3; 8] {
-        std::array::from_fn(|i| self.rotation * self.local_corner(i) + self.center)
+        std::array::from_fn(|i| self.frame.world(self.local_corner(i)))
     }
 
     /// The largest distance that a corner has moved. It bounds how far any point has moved, up to rounding of the lengths.
@@ -65,16 +67,23 @@ impl Cuboid {
     }
 
     fn local(&self, point: DVec3) -> DVec3 {
-        self.rotation.transpose() * (point - self.center)
+        self.frame.local(point)
     }
 
     pub(super) fn support(&self, direction: DVec3) -> f64 {
-        let along = self.rotation.transpose() * direction;
-        direction.dot(self.center) + along.abs().dot(self.half)
+        let along = self.frame.local_direction(direction);
+        direction.dot(self.frame.center) + along.abs().dot(self.half)
+    }
+
+    pub(super) fn support_point(&self, direction: DVec3) -> DVec3 {
+        let along = self.frame.local_direction(direction);
+        let sign = |along: f64| if along < 0.0 { -1.0 } else { 1.0 };
+        let [x, y, z] = along.to_array().map(sign);
+        self.frame.world(self.half * DVec3::new(x, y, z))
     }
 
     pub(super) fn reach(&self) -> f64 {
-        self.center.abs().max_element() + self.half.element_sum()
+        self.frame.center.abs().max_element() + self.half.element_sum()
     }
 
     /// The gradient of the signed distance at a point, a unit vector.
@@ -82,7 +91,7 @@ impl Cuboid {
         let local = self.local(point);
         let outside = local - local.clamp(-self.half, self.half);
         let direction = outside.try_normalize().unwrap_or_else(|| self.nearest_face(local));
-        self.rotation * direction
+        self.frame.rotation * direction
     }
 
     /// The outward axis of the face nearest to a local point inside.
@@ -107,7 +116,7 @@ impl Cuboid {
     }
 
     /// Exact for the corners, the centre and the triangle. Rounded local coordinates decide clear cases.
-    pub(super) fn intersects(&self, triangle: &Triangle) -> bool {
+    pub(in super::super) fn intersects(&self, triangle: &Triangle) -> bool {
         let local = triangle.map(|corner| self.local(corner));
         let sizes = triangle.map(|corner| corner.abs().max_element()).into_iter();
         let slack = ROUNDING * sizes.fold(self.reach(), f64::max);
@@ -128,7 +137,7 @@ impl Cuboid {
     /// Skips tetrahedra without volume: their points are on a face, or the box is flat.
     fn holds(&self, point: DVec3) -> bool {
         self.faces().any(|[a, b, c]| {
-            let apex = self.center;
+            let apex = self.frame.center;
             let volume = plane_side(a, b, c, apex);
             volume != Equal
                 && [
@@ -145,8 +154,8 @@ impl Cuboid {
     pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
         let local = triangle.map(|corner| self.local(corner));
         let closest = |local: DVec3, normal: DVec3, distance| Closest {
-            point: self.rotation * local + self.center,
-            normal: self.rotation * normal,
+            point: self.frame.world(local),
+            normal: self.frame.rotation * normal,
             distance,
         };
         let intersects = self.intersects(triangle);

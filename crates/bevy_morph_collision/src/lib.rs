@@ -26,7 +26,7 @@
 //! # Concepts
 //!
 //! - A **collider** is an entity with a [`MorphCollider`](components::MorphCollider) and a `Mesh3d`. It collides as its mesh is drawn, with the current morph
-//!   weights, joints and transform. A [`MorphShape`](components::MorphShape) instead of the mesh makes it a ball, capsule, cuboid or half-space.
+//!   weights, joints and transform. A [`MorphShape`](components::MorphShape) instead of the mesh makes it a rigid shape, such as a ball.
 //! - A **body** is a collider, or an entity with several colliders, such as the root of a glTF scene. Colliders of one body never
 //!   collide with each other.
 //! - A **tree** makes queries fast. There is one for each mesh *asset*, built in the background and shared by all entities that

@@ -34,7 +34,7 @@
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
 //! | What do thousands of rays hit? Which points are closest to thousands of points? | [`RayQuery::closest_batch`], [`ShapeQuery::closest_point_batch`] |
-//! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
+//! | What touches a [`Shape`], a box or a camera's frustum? Which point is closest? | [`ShapeQuery`] |
 //! | What does a moving shape touch first? | [`ShapeQuery::cast`]; another shape: [`PlacedShape::cast`] |
 //! | Is a point inside a closed mesh? | [`RayQuery::encloses`] |
 //! | Where does a body intersect itself? | [`SelfQuery`]; for all weights at once: [`SelfProof`](proof::SelfProof) |
@@ -50,7 +50,7 @@
 //! matrices instead, also in `f64`. [`Body::vertex`] returns these positions.
 //!
 //! Over those vertices the answer is exact: touching counts, coplanar and degenerate triangles are handled, and there is no epsilon.
-//! Trees only change the speed. [`PlacedShape::intersects`] says what is exact for balls, capsules and half-spaces.
+//! Trees only change the speed. [`PlacedShape`] and [`PlacedShape::intersects`] say what is exact for shapes.
 //!
 //! # Order of the folders
 //!

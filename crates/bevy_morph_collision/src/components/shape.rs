@@ -155,24 +155,26 @@ impl MorphShape {
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| rotation * axis);
         let of_box = |half: Vec3| x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
         // A disc around y reaches along a world axis as far as that axis is not along y.
-        let of_rounds = |half_height: f32, radius: f32| {
-            let beside = (Vec3::ONE - y * y).max(Vec3::ZERO).map(f32::sqrt);
-            y.abs() * half_height + beside * radius
+        let beside = (Vec3::ONE - y * y).max(Vec3::ZERO).map(f32::sqrt);
+        let of_discs = |half_height: f32, [bottom, top]: [f32; 2]| {
+            let (up, bottom, top) = (y * half_height, beside * bottom, beside * top);
+            [(-up - bottom).min(up - top), (bottom - up).max(up + top)]
         };
+        let same = |half: Vec3| [-half, half];
         let around = scale.x.max(scale.z);
-        let (shape, half) = match *self {
+        let (shape, [low, high]) = match *self {
             Self::Ball { radius } => {
                 let radius = radius * scale.max_element();
-                (Shape::Ball { radius }, Vec3::splat(radius))
+                (Shape::Ball { radius }, same(Vec3::splat(radius)))
             }
             Self::Capsule { half_length, radius } => {
                 let (half_length, radius) = (half_length * scale.y, radius * around);
                 let half = y.abs() * half_length + radius;
-                (Shape::Capsule { half_length, radius }, half)
+                (Shape::Capsule { half_length, radius }, same(half))
             }
             Self::Cuboid { half_extents } => {
                 let half_extents = half_extents * scale;
-                (Shape::Cuboid { half_extents }, of_box(half_extents))
+                (Shape::Cuboid { half_extents }, same(of_box(half_extents)))
             }
             Self::RoundCuboid {
                 half_extents,
@@ -184,15 +186,21 @@ impl MorphShape {
                     half_extents,
                     border_radius,
                 };
-                (shape, half)
+                (shape, same(half))
             }
             Self::Cylinder { half_height, radius } => {
                 let (half_height, radius) = (half_height * scale.y, radius * around);
-                (Shape::Cylinder { half_height, radius }, of_rounds(half_height, radius))
+                (
+                    Shape::Cylinder { half_height, radius },
+                    of_discs(half_height, [radius; 2]),
+                )
             }
             Self::Cone { half_height, radius } => {
                 let (half_height, radius) = (half_height * scale.y, radius * around);
-                (Shape::Cone { half_height, radius }, of_rounds(half_height, radius))
+                (
+                    Shape::Cone { half_height, radius },
+                    of_discs(half_height, [radius, 0.0]),
+                )
             }
             Self::ConicalFrustum {
                 half_height,
@@ -201,22 +209,22 @@ impl MorphShape {
             } => {
                 let [bottom_radius, top_radius] = [bottom_radius, top_radius].map(|radius| radius * around);
                 let half_height = half_height * scale.y;
-                let half = of_rounds(half_height, bottom_radius.max(top_radius));
+                let discs = of_discs(half_height, [bottom_radius, top_radius]);
                 let shape = Shape::ConicalFrustum {
                     half_height,
                     bottom_radius,
                     top_radius,
                 };
-                (shape, half)
+                (shape, discs)
             }
-            Self::HalfSpace { normal } => (Shape::HalfSpace { normal }, Vec3::INFINITY),
+            Self::HalfSpace { normal } => (Shape::HalfSpace { normal }, same(Vec3::INFINITY)),
         };
         let shape = PlacedShape::new(shape, rotation, translation)?;
         // The rounding errors of all this are far below a millionth.
-        let slack = 1e-6 * (half + translation.abs()) + f32::MIN_POSITIVE;
+        let slack = 1e-6 * (low.abs().max(high.abs()) + translation.abs()) + f32::MIN_POSITIVE;
         let bounds = Aabb {
-            min: translation - half - slack,
-            max: translation + half + slack,
+            min: translation + low - slack,
+            max: translation + high + slack,
         };
         Ok((shape, bounds))
     }

@@ -105,13 +105,31 @@ fn every_shape_stands_where_its_transform_says() {
             Transform::from_xyz(0.95, 0.95, 0.0),
         ),
         (
+            MorphShape::from(
+                MorphConvexHull::new(&[
+                    Vec3::ZERO,
+                    Vec3::new(2.0, 0.1, 0.0),
+                    Vec3::new(2.0, 0.0, 0.1),
+                    Vec3::X * 3.0,
+                ])
+                .unwrap(),
+            ),
+            Transform::from_xyz(0.45, 0.0, 0.0),
+            Transform::from_xyz(0.55, 0.0, 0.0),
+        ),
+        (
+            MorphShape::from(MorphConvexHull::of_mesh(&Sphere::new(0.5).into()).unwrap()),
+            Transform::from_xyz(0.95, 0.0, 0.0),
+            Transform::from_xyz(0.9, 0.9, 0.0),
+        ),
+        (
             MorphShape::HalfSpace { normal: Vec3::Y },
             Transform::from_xyz(100.0, -0.45, -50.0),
             Transform::from_xyz(0.0, -0.55, 0.0),
         ),
     ];
     for (shape, near, far) in shapes {
-        let entity = spawn_shape(&mut app, shape, near);
+        let entity = spawn_shape(&mut app, shape.clone(), near);
         settle(&mut app);
         assert!(touches(&app, cube, entity), "{shape:?} at {near:?}");
         app.insert(entity, far);

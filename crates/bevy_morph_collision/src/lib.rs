@@ -222,7 +222,7 @@ pub mod prelude {
     pub use crate::components::{
         MorphActiveCollisionHooks, MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf,
         MorphColliderScene, MorphColliders, MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionMode,
-        MorphCollisionSettings, MorphLayerMask, MorphShape, MorphTeleported, MorphTreeOptions,
+        MorphCollisionSettings, MorphConvexHull, MorphLayerMask, MorphShape, MorphTeleported, MorphTreeOptions,
     };
     pub use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint, MorphImpact, MorphImpactFeatures};
     #[cfg(feature = "diagnostics")]

@@ -35,8 +35,8 @@ pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphSha
         let at = Vec3::new((x * 0.7).sin(), (x * 1.3).cos(), (x * 2.1).sin()) * 6.0;
         let turn = Quat::from_euler(EulerRot::XYZ, x, 0.5 * x, 0.2 * x);
         let place = Transform::from_translation(at).with_rotation(turn);
-        let shape = kinds[i as usize % kinds.len()];
-        let entity = match shape {
+        let shape = kinds[i as usize % kinds.len()].clone();
+        let entity = match shape.clone() {
             Some(shape) => app.spawn((shape, place)),
             None => {
                 let entity = spawn(&mut app, &mesh, 0.0);
@@ -51,13 +51,13 @@ pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphSha
 }
 
 /// The signed distance of a point from a placed collider; for a cube, the distance from its surface.
-fn distance(point: Vec3, place: &Transform, shape: Option<MorphShape>) -> f32 {
+fn distance(point: Vec3, place: &Transform, shape: &Option<MorphShape>) -> f32 {
     let local = place.rotation.inverse() * (point - place.translation);
     let of_box = |half: Vec3| {
         let beyond = local.abs() - half;
         beyond.max(Vec3::ZERO).length() + beyond.max_element().min(0.0)
     };
-    match shape {
+    match *shape {
         None => of_box(Vec3::splat(0.5)).abs(),
         Some(MorphShape::Ball { radius }) => local.length() - radius,
         Some(MorphShape::Capsule { half_length, radius }) => {
@@ -87,7 +87,9 @@ fn distance(point: Vec3, place: &Transform, shape: Option<MorphShape>) -> f32 {
                 nearest_on(rim, tip).min(nearest_on(rim, Vec2::new(0.0, -half_height)))
             }
         }
-        Some(MorphShape::ConicalFrustum { .. } | MorphShape::HalfSpace { .. }) => unreachable!("none is spawned"),
+        Some(MorphShape::ConicalFrustum { .. } | MorphShape::ConvexHull(_) | MorphShape::HalfSpace { .. }) => {
+            unreachable!("none is spawned")
+        }
     }
 }
 
@@ -107,7 +109,7 @@ fn shapes_are_found_like_meshes() {
         let nearest = |point: Vec3| -> (f32, Entity) {
             let each = all
                 .iter()
-                .map(|(entity, place, shape)| (distance(point, place, *shape), *entity));
+                .map(|(entity, place, shape)| (distance(point, place, shape), *entity));
             each.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
         };
 
@@ -124,13 +126,13 @@ fn shapes_are_found_like_meshes() {
             hits[usize::from(is_shape(hit.entity))] += 1;
             let (_, place, shape) = all.iter().find(|one| one.0 == hit.entity).unwrap();
             if hit.distance > 0.0 {
-                assert!(distance(hit.point, place, *shape).abs() < 1e-4, "{hit:?}");
+                assert!(distance(hit.point, place, shape).abs() < 1e-4, "{hit:?}");
                 assert!((hit.point - from - direction * hit.distance).length() < 1e-4);
-                let out = distance(hit.point + 0.01 * hit.normal, place, *shape);
+                let out = distance(hit.point + 0.01 * hit.normal, place, shape);
                 assert!((out - 0.01).abs() < 1e-3, "{out} {hit:?}");
             } else {
                 assert!(
-                    distance(from, place, *shape) <= 0.0 && hit.normal == Vec3::ZERO,
+                    distance(from, place, shape) <= 0.0 && hit.normal == Vec3::ZERO,
                     "{hit:?}"
                 );
             }
@@ -146,13 +148,17 @@ fn shapes_are_found_like_meshes() {
 
         let at = ask(&mut app, move |s| s.point_intersections(to, &any()));
         let expected: Vec<Entity> = {
-            let holds = |place: &Transform, shape: Option<MorphShape>| {
+            let holds = |place: &Transform, shape: &Option<MorphShape>| {
                 let cube = MorphShape::Cuboid {
                     half_extents: Vec3::splat(0.5),
                 };
-                distance(to, place, Some(shape.unwrap_or(cube))) <= 0.0
+                distance(to, place, &Some(shape.clone().unwrap_or_else(|| cube.clone()))) <= 0.0
             };
-            let mut inside: Vec<Entity> = all.iter().filter(|one| holds(&one.1, one.2)).map(|one| one.0).collect();
+            let mut inside: Vec<Entity> = all
+                .iter()
+                .filter(|one| holds(&one.1, &one.2))
+                .map(|one| one.0)
+                .collect();
             inside.sort();
             inside
         };
@@ -160,19 +166,19 @@ fn shapes_are_found_like_meshes() {
         inside += at.len();
 
         // A ball enlarges everything that is queried with it.
-        let ball = MorphShape::Ball { radius: 0.4 };
+        let ball = || MorphShape::Ball { radius: 0.4 };
         let near = ask(&mut app, move |s| {
-            s.shape_intersections(&ball, to, Quat::IDENTITY, &any())
+            s.shape_intersections(&ball(), to, Quat::IDENTITY, &any())
         });
         for (entity, place, shape) in &all {
-            let away = distance(to, place, *shape) - 0.4;
+            let away = distance(to, place, shape) - 0.4;
             assert!(
                 away.abs() < 1e-4 || near.contains(entity) == (away < 0.0),
                 "{away} {shape:?}"
             );
         }
         let cast = ask(&mut app, move |s| {
-            s.cast_shape(&ball, from, Quat::IDENTITY, direction, 30.0, &any())
+            s.cast_shape(&ball(), from, Quat::IDENTITY, direction, 30.0, &any())
         });
         let free = cast.map_or(30.0, |hit| hit.distance);
         for step in 0..300 {
@@ -185,10 +191,10 @@ fn shapes_are_found_like_meshes() {
         if let Some(hit) = cast {
             casts[usize::from(is_shape(hit.entity))] += 1;
             let (_, place, shape) = all.iter().find(|one| one.0 == hit.entity).unwrap();
-            let away = distance(from + direction * hit.distance, place, *shape) - 0.4;
+            let away = distance(from + direction * hit.distance, place, shape) - 0.4;
             assert!(away < 1e-4, "{away} {hit:?}");
             assert!(
-                hit.distance == 0.0 || distance(hit.point, place, *shape).abs() < 1e-4,
+                hit.distance == 0.0 || distance(hit.point, place, shape).abs() < 1e-4,
                 "{hit:?}"
             );
         }
@@ -242,7 +248,7 @@ fn every_question_asks_its_predicate() {
     let chosen = all[5].0;
     let at = all[5].1.translation;
     let only = move |entity: Entity| entity == chosen;
-    let ball = MorphShape::Ball { radius: 50.0 };
+    let ball = || MorphShape::Ball { radius: 50.0 };
     let everything = Aabb3d {
         min: Vec3A::splat(-99.0),
         max: Vec3A::splat(99.0),
@@ -269,7 +275,7 @@ fn every_question_asks_its_predicate() {
                 .into_iter()
                 .collect(),
             s.point_intersections_predicate(at, &any(), only),
-            s.shape_intersections_predicate(&ball, at, Quat::IDENTITY, &any(), only),
+            s.shape_intersections_predicate(&ball(), at, Quat::IDENTITY, &any(), only),
             s.aabb_intersections_with_aabb_predicate(everything, &any(), only),
             s.frustum_intersections_predicate(&frustum, &any(), only),
         ]
@@ -281,7 +287,7 @@ fn every_question_asks_its_predicate() {
     // One query within another.
     let nested = ask(&mut app, move |s| {
         let in_sight = |entity: Entity| {
-            s.bounds(entity).is_some() && !s.shape_intersections(&ball, at, Quat::IDENTITY, &any()).is_empty()
+            s.bounds(entity).is_some() && !s.shape_intersections(&ball(), at, Quat::IDENTITY, &any()).is_empty()
         };
         s.aabb_intersections_with_aabb_predicate(everything, &any(), in_sight)
             .len()
@@ -307,12 +313,12 @@ fn questions_follow_colliders_that_move_come_and_go() {
             app.world_mut().despawn(gone);
             let place = Transform::from_xyz(frame as f32, 0.0, 0.0);
             let shape = MorphShape::Ball { radius: 0.6 };
-            let new = app.spawn((shape, place));
+            let new = app.spawn((shape.clone(), place));
             all.push((new, place, Some(shape)));
         }
         app.update();
         let near = |from: Vec3| -> f32 {
-            let each = all.iter().map(|(_, place, shape)| distance(from, place, *shape));
+            let each = all.iter().map(|(_, place, shape)| distance(from, place, shape));
             each.fold(f32::INFINITY, f32::min).max(0.0)
         };
         for i in 0..10 {

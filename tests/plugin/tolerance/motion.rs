@@ -123,7 +123,7 @@ fn shapes_are_measured() {
         };
         let at = |x: f32| if edge > 0.0 { -x + edge } else { x };
         let place = Transform::from_xyz(at(1.03), 0.0, 0.0);
-        let other = app.spawn((shape, place, collider(0.1)));
+        let other = app.spawn((shape.clone(), place, collider(0.1)));
         settle(&mut app);
         assert!(!touches(&app, wall, other), "{shape:?}");
         for (x, is_touching, is_behind) in [(0.95, false, 1), (0.9, true, 0), (0.99, true, 1), (1.03, false, 0)] {

@@ -1,6 +1,6 @@
 //! What a game writes: components and settings.
 //!
-//! - `collider`, `shape`: an entity that collides, with its mesh or as a primitive shape.
+//! - `collider`, `shape`, `convex_hull`: an entity that collides, with its mesh or as a primitive shape. `placed_shape`: where a transform puts that.
 //! - `scene`: a scene whose meshes become colliders. `body`: colliders that form one body.
 //! - `layers`: what collides with what. `active_hooks`: which colliders ask the app's own rules. `events_enabled`: which colliders get events.
 //! - `teleported`: an entity that was put somewhere else.
@@ -13,8 +13,10 @@
 mod active_hooks;
 mod body;
 mod collider;
+mod convex_hull;
 mod events_enabled;
 mod layers;
+mod placed_shape;
 mod scene;
 mod settings;
 mod shape;
@@ -27,6 +29,7 @@ pub use active_hooks::MorphActiveCollisionHooks;
 pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
 pub(crate) use body::{body_of, give_body};
 pub use collider::{MorphCollider, MorphColliderDisabled, MorphCollisionMode};
+pub use convex_hull::MorphConvexHull;
 pub use events_enabled::MorphCollisionEventsEnabled;
 pub use layers::{MorphCollisionLayers, MorphLayerMask};
 pub use scene::MorphColliderScene;
@@ -45,6 +48,7 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<MorphCollisionLayers>()
         .register_type::<MorphActiveCollisionHooks>()
         .register_type::<MorphShape>()
+        .register_type::<MorphConvexHull>()
         .register_type::<MorphColliderScene>()
         .register_type::<MorphColliderOf>()
         .register_type::<MorphColliders>()

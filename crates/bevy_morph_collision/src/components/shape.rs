@@ -1,10 +1,9 @@
 //! Rigid primitive shapes as colliders.
 
-use bevy::math::Mat3A;
 use bevy::prelude::*;
-use morph_collision::{Aabb, InputError, PlacedShape, Shape};
 
 use super::collider::MorphCollider;
+use super::convex_hull::MorphConvexHull;
 
 /// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
 ///
@@ -27,12 +26,15 @@ use super::collider::MorphCollider;
 ///
 /// Shapes are solid. The [`GlobalTransform`] places them:
 ///
-/// - A box is scaled along each axis. The length of a capsule, a cylinder or a cone is scaled along y. A radius takes the largest scale of
-///   the axes around which it is round.
-/// - Shear is ignored: a sheared shape keeps its right angles.
+/// - A box and a convex hull are scaled along each axis, and a hull is mirrored if the transform mirrors. The length of a capsule, a cylinder or
+///   a cone is scaled along y. A radius takes the largest scale of the axes around which it is round.
+/// - Shear is ignored: a sheared shape keeps its right angles. Only the plane of a half-space follows it.
+///
+/// For a compound, give a body several colliders: children of one entity, each with a shape, under a
+/// [`MorphBodyRoot`](crate::components::MorphBodyRoot).
 ///
 /// Two shapes never collide with each other; leave that to a physics engine.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider)]
 pub enum MorphShape {
@@ -83,6 +85,8 @@ pub enum MorphShape {
         /// The radius of the upper disc. It may be the larger one.
         top_radius: f32,
     },
+    /// The convex hull of points, for example of a mesh.
+    ConvexHull(MorphConvexHull),
     /// Everything below the plane through the origin.
     HalfSpace {
         /// The up direction; any length except 0.
@@ -147,190 +151,8 @@ impl From<InfinitePlane3d> for MorphShape {
     }
 }
 
-impl MorphShape {
-    /// The shape in world space, and a box around it.
-    pub(crate) fn place(&self, transform: &GlobalTransform) -> Result<(PlacedShape, Aabb), InputError> {
-        let (scale, rotation) = scale_and_rotation(transform.affine().matrix3);
-        let translation = transform.translation();
-        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| rotation * axis);
-        let of_box = |half: Vec3| x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
-        // A disc around y reaches along a world axis as far as that axis is not along y.
-        let beside = (Vec3::ONE - y * y).max(Vec3::ZERO).map(f32::sqrt);
-        let of_discs = |half_height: f32, [bottom, top]: [f32; 2]| {
-            let (up, bottom, top) = (y * half_height, beside * bottom, beside * top);
-            [(-up - bottom).min(up - top), (bottom - up).max(up + top)]
-        };
-        let same = |half: Vec3| [-half, half];
-        let around = scale.x.max(scale.z);
-        let (shape, [low, high]) = match *self {
-            Self::Ball { radius } => {
-                let radius = radius * scale.max_element();
-                (Shape::Ball { radius }, same(Vec3::splat(radius)))
-            }
-            Self::Capsule { half_length, radius } => {
-                let (half_length, radius) = (half_length * scale.y, radius * around);
-                let half = y.abs() * half_length + radius;
-                (Shape::Capsule { half_length, radius }, same(half))
-            }
-            Self::Cuboid { half_extents } => {
-                let half_extents = half_extents * scale;
-                (Shape::Cuboid { half_extents }, same(of_box(half_extents)))
-            }
-            Self::RoundCuboid {
-                half_extents,
-                border_radius,
-            } => {
-                let (half_extents, border_radius) = (half_extents * scale, border_radius * scale.max_element());
-                let half = of_box(half_extents) + border_radius;
-                let shape = Shape::RoundCuboid {
-                    half_extents,
-                    border_radius,
-                };
-                (shape, same(half))
-            }
-            Self::Cylinder { half_height, radius } => {
-                let (half_height, radius) = (half_height * scale.y, radius * around);
-                (
-                    Shape::Cylinder { half_height, radius },
-                    of_discs(half_height, [radius; 2]),
-                )
-            }
-            Self::Cone { half_height, radius } => {
-                let (half_height, radius) = (half_height * scale.y, radius * around);
-                (
-                    Shape::Cone { half_height, radius },
-                    of_discs(half_height, [radius, 0.0]),
-                )
-            }
-            Self::ConicalFrustum {
-                half_height,
-                bottom_radius,
-                top_radius,
-            } => {
-                let [bottom_radius, top_radius] = [bottom_radius, top_radius].map(|radius| radius * around);
-                let half_height = half_height * scale.y;
-                let discs = of_discs(half_height, [bottom_radius, top_radius]);
-                let shape = Shape::ConicalFrustum {
-                    half_height,
-                    bottom_radius,
-                    top_radius,
-                };
-                (shape, discs)
-            }
-            Self::HalfSpace { normal } => (Shape::HalfSpace { normal }, same(Vec3::INFINITY)),
-        };
-        let shape = PlacedShape::new(shape, rotation, translation)?;
-        // The rounding errors of all this are far below a millionth.
-        let slack = 1e-6 * (low.abs().max(high.abs()) + translation.abs()) + f32::MIN_POSITIVE;
-        let bounds = Aabb {
-            min: translation + low - slack,
-            max: translation + high + slack,
-        };
-        Ok((shape, bounds))
-    }
-}
-
-/// The lengths of the axes, and a nearby rotation: it maps x exactly to the first axis, and y to the part of the second axis that
-/// is perpendicular to the first. Mirroring the third axis does not matter because the shapes are symmetric.
-fn scale_and_rotation(linear: Mat3A) -> (Vec3, Quat) {
-    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::from);
-    let scale = Vec3::new(x.length(), y.length(), z.length());
-    let x = x
-        .try_normalize()
-        .unwrap_or_else(|| y.cross(z).try_normalize().unwrap_or(Vec3::X));
-    let across = |v: Vec3| (v - x * x.dot(v)).try_normalize();
-    let y = across(y)
-        .or_else(|| across(z.cross(x)))
-        .unwrap_or_else(|| x.any_orthonormal_vector());
-    (scale, Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize())
-}
-
-#[cfg(test)]
-mod tests {
-    use bevy::math::Affine3A;
-
-    use super::*;
-
-    #[test]
-    fn boxes_hold_their_shapes() {
-        let turned = Quat::from_euler(EulerRot::XYZ, 0.4, -1.1, 2.0);
-        let place = Transform::from_xyz(3.0, -2.0, 7.0)
-            .with_rotation(turned)
-            .with_scale(Vec3::new(2.0, 0.5, 3.0));
-        let place = GlobalTransform::from(place);
-        let shapes = [
-            MorphShape::Ball { radius: 0.5 },
-            MorphShape::Capsule {
-                half_length: 2.0,
-                radius: 0.25,
-            },
-            MorphShape::Cuboid {
-                half_extents: Vec3::new(1.0, 2.0, 0.1),
-            },
-            MorphShape::RoundCuboid {
-                half_extents: Vec3::new(1.0, 2.0, 0.1),
-                border_radius: 0.3,
-            },
-            MorphShape::from(Cylinder::new(0.4, 3.0)),
-            MorphShape::from(ConicalFrustum {
-                radius_top: 0.4,
-                radius_bottom: 0.3,
-                height: 2.0,
-            }),
-        ];
-        for shape in shapes {
-            let (placed, bounds) = shape.place(&place).unwrap();
-            let center = bounds.center();
-            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-                // Points just outside the box's faces: some are near the shape, but none is inside it.
-                let half = 0.5 * bounds.size().dot(axis);
-                let beyond = center + axis * (half + 1e-3);
-                let mut nearest = f64::INFINITY;
-                for i in -40..=40 {
-                    for j in -40..=40 {
-                        let (u, v) = axis.any_orthonormal_pair();
-                        let size = bounds.size().length() / 80.0;
-                        let p = beyond + (u * i as f32 + v * j as f32) * size;
-                        nearest = nearest.min(placed.signed_distance(p.as_dvec3()));
-                    }
-                }
-                assert!(nearest > 0.0, "{shape:?} reaches through its box by {nearest}");
-                assert!(nearest < 0.1, "{shape:?}'s box is {nearest} away");
-            }
-        }
-    }
-
-    #[test]
-    fn sheared_flattened_and_mirrored_places_have_a_rotation() {
-        let turned = Mat3A::from_quat(Quat::from_euler(EulerRot::XYZ, 0.5, 1.0, -0.7));
-        let scaled = |x: f32, y: f32, z: f32| Mat3A::from_diagonal(Vec3::new(x, y, z));
-        for linear in [
-            scaled(1.0, 3.0, 1.0) * turned,
-            scaled(1.0, 1.3, 1.0) * turned * scaled(-1.0, 1.0, 2.0),
-            scaled(0.0, 1.0, 1.0) * turned,
-            turned * scaled(0.0, 1.0, 1.0),
-            turned * scaled(1.0, 0.0, 0.0),
-            Mat3A::ZERO,
-        ] {
-            let (scale, rotation) = scale_and_rotation(linear);
-            assert!(
-                (rotation.length() - 1.0).abs() < 1e-5 && scale.is_finite(),
-                "{linear:?}"
-            );
-            if scale.x > 0.0 {
-                let x = Vec3::from(linear.x_axis).normalize();
-                assert!((rotation * Vec3::X).distance(x) < 1e-5, "{linear:?}");
-            }
-            let place = GlobalTransform::from(Affine3A::from_mat3_translation(linear.into(), Vec3::ONE));
-            assert!(MorphShape::Ball { radius: 1.0 }.place(&place).is_ok());
-        }
-    }
-
-    #[test]
-    fn bad_numbers_are_errors() {
-        let shape = MorphShape::Ball { radius: -1.0 };
-        assert!(shape.place(&GlobalTransform::IDENTITY).is_err());
-        let nan = GlobalTransform::from(Affine3A::from_translation(Vec3::NAN));
-        assert!(MorphShape::Ball { radius: 1.0 }.place(&nan).is_err());
+impl From<MorphConvexHull> for MorphShape {
+    fn from(hull: MorphConvexHull) -> Self {
+        Self::ConvexHull(hull)
     }
 }

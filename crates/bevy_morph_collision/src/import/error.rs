@@ -2,7 +2,7 @@
 
 use bevy::mesh::{MeshAccessError, PrimitiveTopology};
 use bevy::prelude::*;
-use morph_collision::{InputError, ModelError};
+use morph_collision::{HullError, InputError, ModelError};
 use thiserror::Error;
 
 /// Why a mesh cannot collide.
@@ -68,6 +68,9 @@ pub enum ImportError {
     /// The model data is invalid.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// Its vertices have no convex hull that can be used.
+    #[error(transparent)]
+    Hull(#[from] HullError),
     /// A setting of [`MorphTreeOptions`](crate::components::MorphTreeOptions) is out of range.
     #[error(transparent)]
     Settings(#[from] InputError),

@@ -3,6 +3,7 @@
 //! - `trees`: [`MorphTrees`], all trees and the systems that build them. `tree_key`: what they depend on. `mesh_tree`: one of them.
 //! - `mesh_data`, `copy`: the copy of a mesh, made in parts. `decode`, `skin_data`, `triangles`: how Bevy stores its positions, joints and
 //!   indices.
+//! - `hull`: convex hulls of meshes.
 //! - `saved`: trees that were saved in files, and are restored instead of built.
 //! - `turns`: shares the time of a frame among tasks. `progress`: how far all trees are.
 //! - `error`, `left_out`, `load_failures`, `complaints`: what is wrong with a mesh, and what is logged about it.
@@ -14,6 +15,7 @@ mod decode;
 mod error;
 #[cfg(feature = "gltf")]
 mod gltf;
+mod hull;
 #[cfg(feature = "gltf")]
 mod influence_sets;
 mod left_out;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::rounding::vertex_error;
-use crate::exact::Triangle;
+use crate::exact::{Triangle, largest};
 use crate::model::{MorphModel, WeightBox};
 
 /// A triangle's corners at the base and their displacements.
@@ -181,7 +181,7 @@ impl Pair {
             let pairs = of_first
                 .into_iter()
                 .flat_map(|i| [d, e, f].map(|j| (j.as_dvec3() - i.as_dvec3()).length()));
-            pairs.fold(0.0, f64::max)
+            largest(pairs)
         })
     }
 }

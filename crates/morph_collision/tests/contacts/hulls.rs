@@ -1,7 +1,9 @@
 //! Convex hulls of points.
 
-use glam::{DVec3, Vec3};
-use morph_collision::{ConvexHull, HullError};
+use std::sync::Arc;
+
+use glam::{DVec3, Quat, Vec3};
+use morph_collision::{ConvexHull, HullError, PlacedShape, Shape};
 use morph_collision_testkit::oracle;
 use proptest::prelude::*;
 
@@ -92,6 +94,43 @@ fn every_point_of_a_ball_is_a_corner_up_to_the_limit() {
 }
 
 #[test]
+fn planes_touch_hulls_wherever_the_origin_is() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|corner| corner + Vec3::new(5.0, -3.0, 100.0));
+    let hull = ConvexHull::new(&corners).unwrap();
+    for (hull, factor) in [(hull.scaled(Vec3::new(-2.0, 1.0, 1.0)).unwrap(), -2.0), (hull, 1.0)] {
+        let placed = PlacedShape::new(Shape::ConvexHull(Arc::new(hull)), Quat::IDENTITY, Vec3::ZERO).unwrap();
+        let distance = |x: f64, y: f64, z: f64| {
+            placed.signed_distance(DVec3::new(5.0 + x, y - 3.0, 100.0 + z) * DVec3::new(factor, 1.0, 1.0))
+        };
+        assert!((distance(0.125, 0.125, 0.0625) + 0.0625).abs() < 1e-13);
+        assert!((distance(0.25, 0.25, -0.5) - 0.5).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn almost_collinear_points_have_a_hull() {
+    // Cross products of the first four underflow or are rounding error.
+    let tiny = f32::from_bits(1);
+    let points = [
+        Vec3::ZERO,
+        Vec3::X,
+        Vec3::X,
+        Vec3::ZERO,
+        Vec3::new(0.5, tiny, 0.0),
+        Vec3::new(0.5, 0.0, tiny),
+    ];
+    assert_eq!(check(&points).unwrap().points().len(), 4);
+    assert!(ConvexHull::new(&points[..5]).is_err());
+}
+
+#[test]
+fn corners_of_a_grid_are_the_only_points_of_its_hull() {
+    let grid = |i: u32| Vec3::new((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32);
+    let points: Vec<Vec3> = (0..125).map(grid).collect();
+    assert_eq!(check(&points).unwrap().points().len(), 8);
+}
+
+#[test]
 fn bad_points_are_refused_by_number() {
     let mut corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
     corners[3].y = f32::NAN;
@@ -127,5 +166,14 @@ fn a_scaled_hull_is_the_hull_of_scaled_points() {
     }
     for scale in [Vec3::new(1.0, 0.0, 1.0), Vec3::NAN, Vec3::splat(f32::INFINITY)] {
         assert!(hull.scaled(scale).is_err());
+    }
+    for scale in [1e18, 1e-45] {
+        let mut scaled = hull.clone();
+        let mut times = 0;
+        while let Ok(next) = scaled.scaled(Vec3::splat(scale)) {
+            scaled = next;
+            times += 1;
+        }
+        assert_eq!(times, 2, "{scale}");
     }
 }

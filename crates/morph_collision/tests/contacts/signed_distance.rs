@@ -88,15 +88,33 @@ fn of_trapezium(p: DVec3, half_height: f32, radii: [f32; 2]) -> f64 {
     if is_inside { -nearest } else { nearest }
 }
 
+/// Inside, from the planes of the faces; outside, from those faces that see the point.
 fn of_hull(p: DVec3, hull: &ConvexHull) -> f64 {
-    let faces = hull.faces().iter().map(|face| face.map(|i| hull.points()[i as usize]));
+    let mut highest = f64::NEG_INFINITY;
     let mut nearest = f64::INFINITY;
-    let mut is_inside = true;
-    for [a, b, c] in faces {
-        nearest = nearest.min(crate::triangles::distance(p, &[a, b, c]));
-        is_inside &= (b - a).cross(c - a).dot(p - a) <= 0.0;
+    for face in hull.faces() {
+        let corners = face.map(|i| hull.points()[i as usize]);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let height = normal.dot(p - a);
+        highest = highest.max(height);
+        if height > 0.0 {
+            nearest = nearest.min(of_face(p, &corners, normal, height));
+        }
     }
-    if is_inside { -nearest } else { nearest }
+    if highest <= 0.0 { highest } else { nearest }
+}
+
+fn of_face(p: DVec3, &[a, b, c]: &[DVec3; 3], normal: DVec3, height: f64) -> f64 {
+    let edges = [[a, b], [b, c], [c, a]];
+    if edges.iter().all(|[q, r]| (r - q).cross(p - q).dot(normal) >= 0.0) {
+        return height;
+    }
+    let of_edge = |[q, r]: [DVec3; 2]| {
+        let t = (p - q).dot(r - q) / q.distance_squared(r);
+        p.distance(q + (r - q) * t.clamp(0.0, 1.0))
+    };
+    edges.map(of_edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// The minimum over 0..=1 of a convex function.
@@ -136,6 +154,18 @@ fn pebble(size: f32) -> Arc<ConvexHull> {
     };
     let points: Vec<Vec3> = (0..12).flat_map(|i| [point(i) * 0.5, point(i)]).collect();
     Arc::new(ConvexHull::new(&points).unwrap())
+}
+
+/// A wedge that does not contain the origin.
+fn beside(size: f32) -> ConvexHull {
+    let corners = [
+        Vec3::new(1.0, 0.1, 0.0),
+        Vec3::new(2.0, 0.2, 0.1),
+        Vec3::new(1.2, 0.5, -0.1),
+        Vec3::new(1.1, 0.3, 0.6),
+        Vec3::new(1.7, 0.4, 0.5),
+    ];
+    ConvexHull::new(&corners.map(|corner| corner * size)).unwrap()
 }
 
 /// Every kind of shape around `middle`: small and large, round and flat, around everything, and collapsed to a point.
@@ -208,6 +238,8 @@ pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
         },
         Shape::ConvexHull(tetrahedron(0.7 * radius)),
         Shape::ConvexHull(pebble(1.2 * radius)),
+        // Beside its own origin, and mirrored.
+        Shape::ConvexHull(Arc::new(beside(radius).scaled(Vec3::new(-0.5, 2.0, 1.25)).unwrap())),
         // A segment, and a point.
         Shape::Capsule {
             half_length: 2.0 * radius,

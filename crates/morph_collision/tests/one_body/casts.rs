@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, EulerRot, Quat, Vec3};
-use morph_collision::{Body, ConvexHull, PlacedShape, Shape, ShapeQuery};
+use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
+use morph_collision::{Body, ConvexHull, PlacedShape, Shape, ShapeQuery, WorldFromModel};
 
 use crate::bodies::{self, Case, Random, box_around};
 use crate::reference::{Corners, point_triangle, touch};
@@ -254,6 +254,21 @@ fn nothing_is_touched_before_the_hit_and_something_then() {
         counts.iter().all(|&count| count > 20),
         "misses, hits, touching at the start: {counts:?}"
     );
+}
+
+#[test]
+fn casts_that_pass_far_away_look_at_next_to_nothing() {
+    let case = &bodies::generated()[0];
+    let world_from_model = WorldFromModel::new(Affine3A::from_translation(Vec3::splat(500.0))).unwrap();
+    let mut pose = case.poses().swap_remove(0);
+    let ball = PlacedShape::ball(DVec3::splat(1000.0), 1.0).unwrap();
+    let two = PlacedShape::compound(&[ball.clone(), ball]).unwrap();
+    let mut query = ShapeQuery::new();
+    for direction in DVec3::AXES.map(|axis| -axis) {
+        let body = Body::new(&mut pose, &world_from_model);
+        assert_eq!(query.cast(body, &two, direction, f64::INFINITY).unwrap(), None);
+        assert!(query.stats().node_tests <= 8, "{:?}", query.stats());
+    }
 }
 
 #[test]

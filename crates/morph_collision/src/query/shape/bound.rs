@@ -39,7 +39,8 @@ impl<'a> NodeBound<'a> {
             let direction = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
             (direction, [solid.support(direction), solid.support(-direction)])
         });
-        let slack = ROUNDING * (body.world_reach().element_sum() + solid.reach()) + 3.0 * body.error();
+        let body_reach = body.world_reach().element_sum();
+        let slack = ROUNDING * (body_reach + solid.reach()) + 3.0 * body.error() + solid.blind_gap(body_reach);
         Self {
             solid,
             body,

@@ -38,9 +38,9 @@ impl ShapeQuery {
     /// Returns the first triangle that a shape touches while it moves along `direction` for at most `max_distance`, which may be infinite.
     /// The length of `direction` does not matter.
     ///
-    /// The shape is solid. The distance is too long by at most a few `f64` roundings of the coordinates involved, and too short by at
-    /// most 1e-12 times them. A path that misses a triangle by that little may count as a hit. Among equal distances, the lowest triangle
-    /// index wins (see [`Rank`]).
+    /// The shape is solid. The distance is too long by at most a few `f64` roundings of the coordinates involved. The shape stops early, before
+    /// a gap of at most 1e-12 times the coordinates (1.5e-8 for cylinders, cones and convex hulls); so a path that misses a triangle by that little
+    /// may count as a hit. Among equal distances, the lowest triangle index wins (see [`Rank`]).
     ///
     /// # Errors
     /// [`InputError`] if the direction is zero or not finite, or if `max_distance` is negative or NaN.
@@ -134,7 +134,8 @@ fn first_impact_of_solid(
     limit: f64,
     closest: impl Fn(&Solid) -> Closest,
 ) -> Option<ShapeImpact> {
-    /// If a path grazes the target, each step halves the remaining distance. This is more steps than an `f64` has bits.
+    /// If a path grazes a round target, each step halves the remaining distance; otherwise a few steps are enough. After the last step, the
+    /// shape is where it has come without touching anything.
     const MAX_STEPS: usize = 64;
     /// Smaller distances, relative to the coordinates involved, count as touching: the direction across so narrow a gap would be only
     /// rounding error.
@@ -186,9 +187,13 @@ impl Sweep {
     fn new(shape: &PlacedShape, direction: DVec3, body: PlacedBounds) -> Self {
         let across = direction.any_orthonormal_pair();
         let along = [direction, across.0, across.1, DVec3::X, DVec3::Y, DVec3::Z];
-        let support = |w: DVec3| largest(shape.solids().iter().map(|solid| solid.support(w)));
+        let larger = |p: f64, q: f64| if q > p { q } else { p };
+        let supports = |w: DVec3| shape.solids().iter().map(move |solid| solid.support(w));
+        let support = |w: DVec3| supports(w).fold(f64::NEG_INFINITY, larger);
         let slabs = along.map(|w| (w, [-support(-w), support(w)], w.dot(direction)));
-        let slack = ROUNDING * (body.world_reach().element_sum() + shape.reach()) + 3.0 * body.error();
+        let body_reach = body.world_reach().element_sum();
+        let blind_gap = largest(shape.solids().iter().map(|solid| solid.blind_gap(body_reach)));
+        let slack = ROUNDING * (body_reach + shape.reach()) + 3.0 * body.error() + blind_gap;
         Self { body, slabs, slack }
     }
 

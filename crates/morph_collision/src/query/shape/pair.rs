@@ -16,7 +16,7 @@ pub struct ShapeGap {
     pub point_a: DVec3,
     /// The point on the second shape, in world space.
     pub point_b: DVec3,
-    /// The unit vector from the first shape towards the second.
+    /// The unit vector from the first shape towards the second. Zero if they intersect and there is no such direction.
     pub normal: DVec3,
 }
 

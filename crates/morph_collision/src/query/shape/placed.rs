@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use super::closest::Closest;
 use super::kinds::Shape;
 use super::solid::Solid;
-use crate::exact::Triangle;
+use crate::exact::{Triangle, largest};
 use crate::input_error::{InputError, check_number, check_point};
 
 /// A validated shape in world space, for [`ShapeQuery`](crate::ShapeQuery): a [`Shape`], or several that move together.
@@ -18,8 +18,9 @@ use crate::input_error::{InputError, check_number, check_point};
 ///
 /// - Balls, capsules, cuboids and half-spaces: a few `f64` roundings of the coordinates involved.
 /// - Cylinders, cones and convex hulls, apart from a triangle or another shape: the same if the gap is not small. For a gap `d` and
-///   coordinates up to `s`, the distance is too large by at most `2e-16 * s * s / d`, and by at most `1.5e-8 * s`.
-/// - The same, intersecting: the depth is too small by at most 1e-11 of the triangle's size, or 1e-10 of the other shape's.
+///   coordinates up to `s`, the distance is too small by at most `2e-16 * s * s / d`. Gaps below `1.5e-8 * s` may count as touching.
+/// - The same, intersecting: the depth is too small by at most 1e-11 of the triangle's size, or 1e-10 of the other shape's, plus a few
+///   roundings of the coordinates.
 ///
 /// ```
 /// use glam::{DVec3, Quat, Vec3};
@@ -139,7 +140,8 @@ impl PlacedShape {
     }
 
     /// Returns a bound on how far any point of the shape has moved since `before`, in world units, rounding included. Infinite for another
-    /// kind or size of shape (balls, capsules and round borders may grow), and for half-spaces that have rotated.
+    /// kind of shape, another number of parts, another size of a frustum or another hull, and for half-spaces that have rotated. Balls, capsules and
+    /// cuboids may grow.
     #[must_use]
     pub fn displacement_from(&self, before: &Self) -> f64 {
         let (now, before) = (self.solids(), before.solids());
@@ -150,7 +152,7 @@ impl PlacedShape {
             .iter()
             .zip(before)
             .map(|(now, before)| now.displacement_from(before));
-        moved.fold(0.0, f64::max) * (1.0 + 1e-9)
+        largest(moved) * (1.0 + 1e-9)
     }
 
     /// Returns whether a closed triangle in world space shares a point with the shape.
@@ -183,7 +185,7 @@ impl PlacedShape {
 
     /// An upper bound for the coordinates involved in a distance to the shape.
     pub(super) fn reach(&self) -> f64 {
-        self.solids().iter().map(Solid::reach).fold(0.0, f64::max)
+        largest(self.solids().iter().map(Solid::reach))
     }
 }
 

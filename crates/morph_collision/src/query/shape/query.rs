@@ -39,7 +39,7 @@ pub struct ShapeContact {
 /// Tests a body against a primitive shape, a convex region or a point. Keep the query and use it again: it reuses its memory.
 ///
 /// Shapes are solid: a triangle that is wholly inside intersects. [`PlacedShape::intersects`] says what is exact. No answer depends on
-/// the tree. Distances are `f64`, with an error of a few roundings of the largest coordinate involved.
+/// the tree. Distances are `f64`; [`PlacedShape`] says how accurate they are.
 ///
 /// ```
 /// use std::sync::Arc;

@@ -3,13 +3,10 @@
 use glam::{DQuat, DVec3};
 
 use super::closest::Closest;
-use super::core::{Core, Cuboid, Frame, Frustum, PlacedHull};
+use super::core::{BLIND, Core, Cuboid, Frame, Frustum, LARGEST, PlacedHull};
 use super::kinds::Shape;
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_direction, check_number, check_vector};
-
-/// The largest value allowed in a [`Shape`] or its placement.
-const LARGEST: f64 = 1e37;
 
 /// A convex shape in world space.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,6 +112,14 @@ impl Solid {
         match self {
             Self::Round { core, radius } => core.reach() + radius,
             Self::HalfSpace { point, .. } => point.abs().max_element(),
+        }
+    }
+
+    /// Distances from something with the given reach are too small by at most this, besides rounding.
+    pub(super) fn blind_gap(&self, reach: f64) -> f64 {
+        match self {
+            Self::Round { core, .. } if core.is_known_by_support() => BLIND * (self.reach() + reach),
+            _ => 0.0,
         }
     }
 
@@ -226,18 +231,6 @@ impl Solid {
             },
             (Self::Round { .. }, Self::HalfSpace { .. }) => other.closest_of_solid(self).seen_from_the_other(),
         }
-    }
-}
-
-impl Frame {
-    fn new(rotation: DQuat, center: DVec3) -> Result<Self, InputError> {
-        let length = rotation.length();
-        check_number("length of the rotation", length, (length - 1.0).abs() <= 1e-3, "1")?;
-        check_vector("translation", center, LARGEST)?;
-        Ok(Self {
-            rotation: glam::DMat3::from_quat(rotation.normalize()),
-            center,
-        })
     }
 }
 

@@ -5,8 +5,8 @@
 use glam::{DMat3, DVec3};
 
 use super::super::closest::Closest;
+use super::Core;
 use super::deepest::{Deepest, deepest};
-use super::frame::Frame;
 use super::separation::separation;
 use crate::exact::{Triangle, edges, largest, unit_normal};
 
@@ -18,23 +18,23 @@ pub(super) trait Convex {
     /// A convex function that is the signed distance inside, and outside positive and not more than the distance; with its gradient, a unit
     /// vector.
     fn depth(&self, point: DVec3) -> (f64, DVec3);
-
-    /// A box around it: its frame and half its size.
-    fn spread(&self) -> (Frame, DVec3);
 }
 
 /// Depths are too small by at most this, relative to the size of the triangle.
 const TRIANGLE_DEPTH_ERROR: f64 = 1e-11;
 /// The same for two cores.
 const CORE_DEPTH_ERROR: f64 = 1e-10;
+/// At least this, relative to the coordinates: more than the rounding errors of a depth.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The point of a triangle with the smallest signed distance from a core.
-pub(super) fn closest_of_triangle(core: &impl Convex, triangle: &Triangle) -> Closest {
+pub(super) fn closest_of_triangle(core: &impl Convex, core_reach: f64, triangle: &Triangle) -> Closest {
     let depths = triangle.map(|corner| core.depth(corner));
     let lowest = (0..3).min_by(|&i, &j| depths[i].0.total_cmp(&depths[j].0)).unwrap_or(0);
     let (depth, normal) = depths[lowest];
     let corner = triangle[lowest];
     let size = largest(triangle.iter().map(|other| other.distance(corner)));
+    let reach = largest(triangle.iter().map(|corner| corner.abs().max_element()));
     if depth <= 0.0 {
         // Where no other corner lies against the gradient of a convex function, it is smallest.
         let is_lowest = triangle
@@ -65,7 +65,7 @@ pub(super) fn closest_of_triangle(core: &impl Convex, triangle: &Triangle) -> Cl
     let found = Deepest {
         center: mean,
         axes: DMat3::from_cols(u, v, DVec3::ZERO),
-        tolerance: TRIANGLE_DEPTH_ERROR * size,
+        tolerance: (TRIANGLE_DEPTH_ERROR * size).max(ROUNDING * (reach + core_reach)),
     };
     let found = deepest(&found, beyond_edges, |point| core.depth(point));
     // A corner may be the only point that is inside, by rounding.
@@ -82,9 +82,9 @@ pub(super) fn closest_of_triangle(core: &impl Convex, triangle: &Triangle) -> Cl
 }
 
 /// The point of another core with the smallest signed distance from a core.
-pub(super) fn closest_of_convex(core: &impl Convex, other: &impl Convex) -> Closest {
-    let (frame, half) = other.spread();
-    let toward = frame.center - core.spread().0.center;
+pub(super) fn closest_of_core(core: &Core, other: &Core) -> Closest {
+    let (center, radius) = other.around();
+    let toward = center - core.around().0;
     let apart = separation(
         |direction| core.support_point(direction),
         |direction| other.support_point(direction),
@@ -97,17 +97,25 @@ pub(super) fn closest_of_convex(core: &impl Convex, other: &impl Convex) -> Clos
             distance: apart.distance,
         };
     }
-    // The ellipsoid through the corners of the box.
     let start = Deepest {
-        center: frame.center,
-        axes: frame.rotation * DMat3::from_diagonal(half * 3.0_f64.sqrt()),
-        tolerance: CORE_DEPTH_ERROR * half.max_element(),
+        center,
+        axes: DMat3::from_diagonal(DVec3::splat(radius)),
+        tolerance: (CORE_DEPTH_ERROR * radius).max(ROUNDING * (core.reach() + other.reach())),
     };
     let beyond_other = |point: DVec3| other.depth(point);
     let found = deepest(&start, beyond_other, |point| core.depth(point));
+    let (point, normal, distance) = if found.distance.is_finite() {
+        (found.point, found.normal, found.distance)
+    } else {
+        // By rounding, no point was inside.
+        let point = other.center();
+        let (depth, normal) = core.depth(point);
+        (point, normal, depth)
+    };
     Closest {
-        distance: found.distance.min(0.0),
-        ..found
+        point,
+        normal,
+        distance: distance.min(0.0),
     }
 }
 

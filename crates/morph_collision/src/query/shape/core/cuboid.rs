@@ -41,8 +41,8 @@ impl Cuboid {
         self.frame.center
     }
 
-    pub(super) fn spread(&self) -> (Frame, DVec3) {
-        (self.frame, self.half)
+    pub(super) fn around(&self) -> (DVec3, f64) {
+        (self.frame.center, self.half.length())
     }
 
     pub(super) fn moved_by(mut self, offset: DVec3) -> Self {

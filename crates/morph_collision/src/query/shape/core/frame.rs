@@ -1,8 +1,12 @@
 //! Where a core is.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use crate::exact::largest;
+use crate::input_error::{InputError, check_number, check_vector};
+
+/// The largest value allowed in a [`Shape`](crate::Shape) or its placement.
+pub(in super::super) const LARGEST: f64 = 1e37;
 
 /// Takes a core's own space to world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,12 +16,14 @@ pub(in super::super) struct Frame {
 }
 
 impl Frame {
-    /// Along the world's axes.
-    pub(super) fn at(center: DVec3) -> Self {
-        Self {
-            rotation: DMat3::IDENTITY,
+    pub(in super::super) fn new(rotation: DQuat, center: DVec3) -> Result<Self, InputError> {
+        let length = rotation.length();
+        check_number("length of the rotation", length, (length - 1.0).abs() <= 1e-3, "1")?;
+        check_vector("translation", center, LARGEST)?;
+        Ok(Self {
+            rotation: DMat3::from_quat(rotation.normalize()),
             center,
-        }
+        })
     }
 
     pub(super) fn local(&self, point: DVec3) -> DVec3 {

@@ -47,6 +47,10 @@ impl Frustum {
         DVec3::new(radius, self.half_height, radius)
     }
 
+    pub(super) fn around(&self) -> (DVec3, f64) {
+        (self.frame.center, self.half_height.hypot(self.largest_radius()))
+    }
+
     pub(super) fn reach(&self) -> f64 {
         self.frame.center.abs().max_element() + self.half_extents().element_sum()
     }
@@ -131,9 +135,5 @@ impl Convex for Frustum {
 
     fn depth(&self, point: DVec3) -> (f64, DVec3) {
         self.in_profile(point, |radius, y| self.local_depth(radius, y))
-    }
-
-    fn spread(&self) -> (Frame, DVec3) {
-        (self.frame, self.half_extents())
     }
 }

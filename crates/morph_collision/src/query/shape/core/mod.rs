@@ -15,9 +15,10 @@ use super::closest::Closest;
 use crate::exact::{Segment, Triangle, closest_on_segment};
 use convex::Convex;
 pub(super) use cuboid::Cuboid;
-pub(super) use frame::Frame;
+pub(super) use frame::{Frame, LARGEST};
 pub(super) use frustum::Frustum;
 pub(super) use placed_hull::PlacedHull;
+pub(super) use separation::BLIND;
 
 /// A closed convex set in world space.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,8 +56,8 @@ impl Core {
         match self {
             Self::Segment(axis) => segment::closest_to_segment(*axis, triangle),
             Self::Cuboid(cuboid) => cuboid.closest(triangle),
-            Self::Frustum(frustum) => convex::closest_of_triangle(frustum, triangle),
-            Self::Hull(hull) => convex::closest_of_triangle(hull, triangle),
+            Self::Frustum(frustum) => convex::closest_of_triangle(frustum, frustum.reach(), triangle),
+            Self::Hull(hull) => convex::closest_of_triangle(hull, hull.reach(), triangle),
         }
     }
 
@@ -66,7 +67,7 @@ impl Core {
             (_, Self::Segment([p, q])) => self.closest(&[*p, *q, *q]),
             (Self::Segment(_), _) => other.closest_of_core(self).seen_from_the_other(),
             (Self::Cuboid(_), Self::Cuboid(cuboid)) => self.closest_of_cuboid(cuboid),
-            _ => convex::closest_of_convex(self, other),
+            _ => convex::closest_of_core(self, other),
         }
     }
 
@@ -85,6 +86,11 @@ impl Core {
                 distance: depth,
             },
         }
+    }
+
+    /// Whether there is no formula for distances, so that small gaps are not seen (see [`BLIND`]).
+    pub(super) fn is_known_by_support(&self) -> bool {
+        matches!(self, Self::Frustum(_) | Self::Hull(_))
     }
 
     /// A point inside.
@@ -116,6 +122,16 @@ impl Core {
             Self::Hull(hull) => hull.frame.center += offset,
         }
         moved
+    }
+
+    /// A ball around it.
+    fn around(&self) -> (DVec3, f64) {
+        match self {
+            Self::Segment([p, q]) => (p.midpoint(*q), p.distance(*q) * 0.5),
+            Self::Cuboid(cuboid) => cuboid.around(),
+            Self::Frustum(frustum) => frustum.around(),
+            Self::Hull(hull) => hull.around(),
+        }
     }
 
     /// A bound on how far any point has moved, up to rounding of the lengths. Infinite for another kind or size of core.
@@ -165,15 +181,6 @@ impl Convex for Core {
             Self::Segment(_) | Self::Cuboid(_) => (self.signed_distance(point), self.outward(point)),
             Self::Frustum(frustum) => frustum.depth(point),
             Self::Hull(hull) => hull.depth(point),
-        }
-    }
-
-    fn spread(&self) -> (Frame, DVec3) {
-        match self {
-            Self::Segment([p, q]) => (Frame::at(p.midpoint(*q)), (*q - *p).abs() * 0.5),
-            Self::Cuboid(cuboid) => cuboid.spread(),
-            Self::Frustum(frustum) => frustum.spread(),
-            Self::Hull(hull) => hull.spread(),
         }
     }
 }

@@ -35,6 +35,11 @@ impl PlacedHull {
         self.frame.world(self.hull.middle())
     }
 
+    pub(super) fn around(&self) -> (DVec3, f64) {
+        let center = self.frame.world(self.hull.low.midpoint(self.hull.high));
+        (center, self.hull.low.distance(self.hull.high) * 0.5)
+    }
+
     pub(super) fn reach(&self) -> f64 {
         let size = self.hull.low.abs().max(self.hull.high.abs());
         self.frame.center.abs().max_element() + size.element_sum()
@@ -85,10 +90,5 @@ impl Convex for PlacedHull {
             }
         }
         (best.0, self.frame.rotation * best.1)
-    }
-
-    fn spread(&self) -> (Frame, DVec3) {
-        let center = self.frame.world(self.hull.low.midpoint(self.hull.high));
-        (Frame { center, ..self.frame }, (self.hull.high - self.hull.low) * 0.5)
     }
 }

@@ -11,8 +11,13 @@ pub(super) struct Separation {
     pub(super) on_b: DVec3,
     /// The unit vector from the first set to the second.
     pub(super) normal: DVec3,
+    /// The width of the gap along the normal: a lower bound of the distance.
     pub(super) distance: f64,
 }
+
+/// Gaps below this, relative to the coordinates involved, may count as touching: the direction across is then mostly rounding error. It is
+/// the root of the rounding error of a coordinate.
+pub(in super::super) const BLIND: f64 = 1.5e-8;
 
 /// Far more than curved sets need until the two bounds agree in all digits.
 const MAX_STEPS: usize = 128;
@@ -33,8 +38,8 @@ struct Nearest {
     rounding: f64,
 }
 
-/// Returns the closest points; `None` if no plane is found between the sets: they intersect, or their gap is below 1.5e-8 of the coordinates. The distance is too large by at most a few
-/// roundings of the coordinates. `toward` is a guess of the direction from the first set to the second.
+/// Returns the closest points; `None` if no plane is found between the sets: they intersect, or their gap is [`BLIND`].
+/// `toward` is a guess of the direction from the first set to the second.
 pub(super) fn separation(a: impl Fn(DVec3) -> DVec3, b: impl Fn(DVec3) -> DVec3, toward: DVec3) -> Option<Separation> {
     let mut reach = 0.0_f64;
     let mut difference = |toward: DVec3| {
@@ -49,23 +54,25 @@ pub(super) fn separation(a: impl Fn(DVec3) -> DVec3, b: impl Fn(DVec3) -> DVec3,
     let (first, mut rounding) = difference(toward);
     let mut corners = [first; 4];
     let mut count = 1;
-    let mut best: Option<Separation> = None;
-    let mut are_apart = false;
+    let mut shortest = f64::INFINITY;
+    let mut last = Separation {
+        on_b: first.on_b,
+        normal: DVec3::ZERO,
+        distance: 0.0,
+    };
+    let mut widest = last;
     for _ in 0..MAX_STEPS {
-        let nearest = nearest_to_origin(&corners[..count], are_apart, rounding)?;
+        let nearest = nearest_to_origin(&corners[..count], widest.distance > 0.0, rounding)?;
         let distance = nearest.apart.length();
         if distance <= rounding {
             return None;
         }
-        if best.is_some_and(|best| distance >= best.distance) {
+        if distance >= shortest {
             break;
         }
+        shortest = distance;
         let on_b = corners[..count].iter().zip(nearest.weights);
-        best = Some(Separation {
-            on_b: on_b.fold(DVec3::ZERO, |sum, (corner, weight)| sum + corner.on_b * weight),
-            normal: nearest.direction.normalize(),
-            distance,
-        });
+        last.on_b = on_b.fold(DVec3::ZERO, |sum, (corner, weight)| sum + corner.on_b * weight);
         let mut kept = 0;
         for corner in 0..count {
             if nearest.weights[corner] > 0.0 {
@@ -77,15 +84,24 @@ pub(super) fn separation(a: impl Fn(DVec3) -> DVec3, b: impl Fn(DVec3) -> DVec3,
         let (next, now) = difference(direction);
         rounding = now;
         let lower_bound = next.apart.dot(direction);
-        are_apart |= lower_bound > 0.0;
+        (last.normal, last.distance) = (direction, lower_bound);
+        if lower_bound > widest.distance {
+            widest = last;
+        }
         if distance - lower_bound <= (f64::EPSILON * distance).max(0.25 * rounding) || kept == 4 {
             break;
         }
         corners[kept] = next;
         count = kept + 1;
     }
+    // The last direction is the most accurate, unless rounding spoiled it.
+    let best = if last.distance > 0.999 * widest.distance {
+        last
+    } else {
+        widest
+    };
     // Not proven to be apart, they intersect or are closer than the digits of a direction can tell.
-    best.filter(|_| are_apart)
+    (best.distance > 0.0).then_some(best)
 }
 
 /// The nearest point of a simplex of one to four corners; `None` if the origin is in a tetrahedron.
@@ -109,7 +125,8 @@ fn nearest_to_origin(simplex: &[Difference], are_apart: bool, rounding: f64) -> 
                 let [a, b, c] = face.map(at);
                 let normal = (b - a).cross(c - a);
                 let (inner, origin) = (normal.dot(at(opposite) - a), -normal.dot(a));
-                if are_apart || inner * origin < 0.0 || inner == 0.0 {
+                let is_beyond = (inner > 0.0 && origin < 0.0) || (inner < 0.0 && origin > 0.0);
+                if are_apart || is_beyond || inner == 0.0 {
                     is_inside = false;
                     best.offer_triangle(face, at);
                 }

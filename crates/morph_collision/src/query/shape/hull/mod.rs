@@ -10,7 +10,7 @@ use quickhull::quickhull;
 
 /// The convex hull of points, for [`Shape::ConvexHull`](crate::Shape::ConvexHull).
 ///
-/// It is the exact hull of the `f32` points: the corners are some of them, and none of the others is outside. Build it once and share it;
+/// It is the exact hull of the `f32` points: its corners are some of them, and none of the others is outside. Build it once and share it;
 /// placing it is cheap. A test against a triangle looks at every corner several times, so a hull of few points is fast.
 ///
 /// ```
@@ -42,7 +42,7 @@ pub enum HullError {
     /// A point or a number is not finite, or is too large.
     #[error(transparent)]
     BadInput(#[from] InputError),
-    /// The points enclose no volume.
+    /// The points lie in one plane, or there are fewer than four.
     #[error("the convex hull of {points} points has no volume: they lie in one plane; add a point beside it")]
     Flat {
         /// The number of points.
@@ -73,8 +73,9 @@ impl ConvexHull {
     /// [`HullError`] if a point is not finite or beyond 1e37, if all points lie in one plane, or if the hull has more than
     /// [`ConvexHull::MAX_CORNERS`] corners.
     pub fn new(points: &[Vec3]) -> Result<Self, HullError> {
-        for (index, point) in points.iter().enumerate() {
-            check_vector(&format!("point {index}"), point.as_dvec3(), 1e37)?;
+        let is_good = |point: &Vec3| point.abs().cmple(Vec3::splat(1e37)).all();
+        if let Some(index) = points.iter().position(|point| !is_good(point)) {
+            check_vector(&format!("point {index}"), points[index].as_dvec3(), 1e37)?;
         }
         let exact: Vec<DVec3> = points.iter().map(|point| point.as_dvec3()).collect();
         let faces = quickhull(&exact, Self::MAX_CORNERS).map_err(|error| match error {
@@ -104,7 +105,7 @@ impl ConvexHull {
         // A thin face has a rough normal. The plane holds the hull all the same.
         let planes = normals
             .filter(|normal| *normal != DVec3::ZERO)
-            .map(|normal| (normal, largest_along(&points, normal)))
+            .map(|normal| (normal, normal.dot(farthest(&points, normal))))
             .collect();
         let (low, high) = points
             .iter()
@@ -123,7 +124,7 @@ impl ConvexHull {
     /// Returns the hull with every coordinate multiplied by a factor. Negative factors mirror it.
     ///
     /// # Errors
-    /// [`InputError`] if a factor is zero, not finite, or beyond 1e18.
+    /// [`InputError`] if a factor is zero, not finite, or beyond 1e18, or if the result is smaller than 1e-90 or larger than 1e50.
     pub fn scaled(&self, scale: Vec3) -> Result<Self, InputError> {
         for factor in scale.to_array() {
             let magnitude = f64::from(factor).abs();
@@ -143,6 +144,10 @@ impl ConvexHull {
             (normal / length, offset / length)
         };
         let (p, q) = (self.low * scale, self.high * scale);
+        let size = p.abs().max(q.abs());
+        let (least, most) = ((p - q).abs().min_element(), size.max_element());
+        check_number("size of a convex hull", most, most <= 1e50, "at most 1e50")?;
+        check_number("size of a convex hull", least, least >= 1e-90, "at least 1e-90")?;
         Ok(Self {
             points: self.points.iter().map(|point| *point * scale).collect(),
             planes: self.planes.iter().map(along).collect(),
@@ -154,7 +159,7 @@ impl ConvexHull {
         })
     }
 
-    /// Returns the corners.
+    /// Returns the corners. Among them may be points between corners, on an edge or a face.
     #[must_use]
     pub fn points(&self) -> &[DVec3] {
         &self.points
@@ -168,14 +173,7 @@ impl ConvexHull {
 
     /// The corner that lies farthest along a direction.
     pub(super) fn farthest(&self, direction: DVec3) -> DVec3 {
-        let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
-        for point in &self.points {
-            let along = direction.dot(*point);
-            if along > best.0 {
-                best = (along, *point);
-            }
-        }
-        best.1
+        farthest(&self.points, direction)
     }
 
     /// A point inside.
@@ -184,6 +182,13 @@ impl ConvexHull {
     }
 }
 
-fn largest_along(points: &[DVec3], direction: DVec3) -> f64 {
-    crate::exact::largest(points.iter().map(|point| direction.dot(*point)))
+fn farthest(points: &[DVec3], direction: DVec3) -> DVec3 {
+    let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
+    for point in points {
+        let along = direction.dot(*point);
+        if along > best.0 {
+            best = (along, *point);
+        }
+    }
+    best.1
 }

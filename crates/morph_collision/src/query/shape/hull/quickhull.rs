@@ -67,14 +67,17 @@ impl<'a> Hull<'a> {
         plane_side(at(a), at(b), at(c), at(point)) == Ordering::Less
     }
 
-    /// Of the points above some face, the one that is farthest from it.
+    /// Of the points above some face, the one that is farthest from it. Among equal ones, the last by its coordinates is a corner.
     fn next_corner(&self) -> Option<u32> {
         let face = self.faces.iter().find(|face| !face.above.is_empty())?;
         let [a, b, c] = face.corners.map(|corner| self.points[corner as usize]);
         let normal = unit_normal(&[a, b, c]);
         let height = |point: u32| normal.dot(self.points[point as usize] - a);
         let above = face.above.iter().copied();
-        above.max_by(|p, q| height(*p).total_cmp(&height(*q)))
+        above.max_by(|&p, &q| {
+            let by_place = || by_coordinates(self.points[p as usize], self.points[q as usize]);
+            height(p).total_cmp(&height(q)).then_with(by_place)
+        })
     }
 
     /// Replaces all faces that see a point by faces from the border of what it sees to the point.
@@ -116,15 +119,33 @@ impl Face {
     }
 }
 
+fn by_coordinates(p: DVec3, q: DVec3) -> Ordering {
+    let each = p.to_array().into_iter().zip(q.to_array());
+    each.fold(Ordering::Equal, |order, (p, q)| order.then(p.total_cmp(&q)))
+}
+
 /// Four points that span a volume, far apart.
 fn tetrahedron(points: &[DVec3]) -> Option<[u32; 4]> {
     let farthest = |measure: &dyn Fn(DVec3) -> f64| {
-        let all = (0..points.len()).max_by(|&p, &q| measure(points[p]).total_cmp(&measure(points[q])));
-        all.map(|index| (index as u32, points[index]))
+        let all = (0..points.len()).map(|index| (measure(points[index]), points[index], index as u32));
+        let last = all.max_by(|(p, at_p, _), (q, at_q, _)| p.total_cmp(q).then_with(|| by_coordinates(*at_p, *at_q)));
+        last.map(|(_, point, index)| (index, point))
     };
     let (a, at_a) = farthest(&|p| p.x)?;
     let (b, at_b) = farthest(&|p| p.distance_squared(at_a))?;
-    let (c, at_c) = farthest(&|p| (at_b - at_a).cross(p - at_a).length_squared())?;
+    // A triangle with an area has a plane, which holds at most three of these.
+    let beside_a_plane = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let is_on_line = |p: DVec3| {
+        let mut sides = beside_a_plane.iter().map(|q| plane_side(at_a, at_b, p, *q));
+        sides.all(|side| side == Ordering::Equal)
+    };
+    let (c, at_c) = farthest(&|p| {
+        if is_on_line(p) {
+            -1.0
+        } else {
+            (at_b - at_a).cross(p - at_a).length_squared()
+        }
+    })?;
     let normal = unit_normal(&[at_a, at_b, at_c]);
     let is_beside = |p: DVec3| plane_side(at_a, at_b, at_c, p) != Ordering::Equal;
     let (d, at_d) = farthest(&|p| {

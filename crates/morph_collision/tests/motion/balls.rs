@@ -13,18 +13,18 @@ use super::bodies::{Step, TOLERANCE, model, vector};
 /// Of a query in `f64`, relative to the size of the scene.
 const ROUNDING: f64 = 1e-9;
 
-fn at(point: &MovingPoint, time: f64) -> DVec3 {
+pub(super) fn at(point: &MovingPoint, time: f64) -> DVec3 {
     point.start * (1.0 - time) + point.end * time
 }
 
 /// A body that moves from one place to another, and its triangles.
-struct Scene {
-    body: Step,
-    triangles: Vec<[MovingPoint; 3]>,
+pub(super) struct Scene {
+    pub(super) body: Step,
+    pub(super) triangles: Vec<[MovingPoint; 3]>,
 }
 
 impl Scene {
-    fn new(rng: &mut Pcg64Mcg, far: DVec3) -> Self {
+    pub(super) fn new(rng: &mut Pcg64Mcg, far: DVec3) -> Self {
         let is_skinned = rng.random_bool(0.3);
         let model = Arc::new(model(rng, is_skinned));
         let leaf_size = [1, 3, 8, 20][rng.random_range(0..4)];
@@ -60,7 +60,7 @@ impl Scene {
     }
 }
 
-fn far(rng: &mut Pcg64Mcg) -> DVec3 {
+pub(super) fn far(rng: &mut Pcg64Mcg) -> DVec3 {
     if rng.random_bool(0.2) {
         vector(rng, 1e4).as_dvec3()
     } else {

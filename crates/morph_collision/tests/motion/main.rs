@@ -1,7 +1,8 @@
-//! Continuous collision: features of known verdict (`published`), bodies against every pair of features (`bodies`), and points and balls
-//! against every triangle (`balls`).
+//! Continuous collision: features of known verdict (`published`), bodies against every pair of features (`bodies`), and points, balls
+//! (`balls`) and shapes (`shapes`) against every triangle.
 
 mod balls;
 mod bodies;
 mod extremes;
 mod published;
+mod shapes;

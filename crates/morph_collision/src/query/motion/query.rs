@@ -3,14 +3,16 @@
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-use super::ball::BallBox;
+use super::ball::impact_of_point;
 use super::candidate::{Candidate, Test, between, within};
 use super::earliest::Earliest;
 use super::limit::{DEFAULT_LIMIT, steps};
+use super::shape_box::ShapeBox;
 use super::triangle::MovingTriangle;
 use super::walk::{MotionWalk, Search};
-use super::{BallImpact, Features, LimitReached, MotionContact, MovingBall, MovingBody};
+use super::{Features, LimitReached, MotionContact, MovingBall, MovingBody, MovingShape, SurfaceImpact};
 use crate::query::capped::Capped;
+use crate::query::shape::first_touch;
 use crate::query::{PairQuery, QueryStats, TrianglePair};
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
@@ -55,8 +57,8 @@ use crate::query::{PairQuery, QueryStats, TrianglePair};
 pub struct MotionQuery {
     walk: MotionWalk,
     at_start: PairQuery,
-    /// Made when the first ball is asked about.
-    ball: Option<Box<BallBox>>,
+    /// Made when the first ball or shape is asked about.
+    shape_box: Option<Box<ShapeBox>>,
     limit: u64,
     stats: QueryStats,
 }
@@ -66,7 +68,7 @@ impl Default for MotionQuery {
         Self {
             walk: MotionWalk::default(),
             at_start: PairQuery::new(),
-            ball: None,
+            shape_box: None,
             limit: DEFAULT_LIMIT,
             stats: QueryStats::default(),
         }
@@ -266,34 +268,103 @@ impl MotionQuery {
         ball: &MovingBall,
         body: MovingBody<'_>,
         tolerance: f64,
-    ) -> Result<Option<BallImpact>, LimitReached> {
-        let mut bounds = self.ball.take().unwrap_or_else(|| Box::new(BallBox::new()));
-        let mut earliest = Earliest::new(tolerance);
-        let latest = Cell::new(1.0);
-        let mut test = |triangle: &MovingTriangle<'_>, _: &MovingTriangle<'_>, stats: &mut QueryStats| {
-            let impact = if ball.radius() > 0.0 {
-                ball.impact(triangle, tolerance, latest.get(), &mut stats.feature_tests)
-            } else {
+    ) -> Result<Option<SurfaceImpact>, LimitReached> {
+        self.first_of(
+            body,
+            |bounds| bounds.around_ball(ball),
+            tolerance,
+            |triangle, latest, stats| {
+                if ball.radius() > 0.0 {
+                    return ball.impact(triangle, tolerance, latest, &mut stats.feature_tests);
+                }
                 let features = Features::FaceVertex {
                     triangle_a: triangle.number,
                     vertex_b: 0,
                 };
                 let candidate = Candidate::vertex_face(features, ball.center(), [triangle; 2]);
                 let contact = candidate.impact(tolerance, stats);
-                contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
-            };
-            if let Some(impact) = impact {
+                contact.map(|contact| impact_of_point(triangle.number, &contact))
+            },
+        )
+    }
+
+    /// Returns where a moving shape first touches a moving body, if it does. If several triangles are touched in the same interval
+    /// of time, the one with the smallest number is returned.
+    ///
+    /// Nothing is touched before `time.earliest`, up to a few `f64` roundings of the coordinates involved. A triangle counts as touched when the gap is below
+    /// 1e-13 of the coordinates (1.5e-8 for cylinders, cones and convex hulls), or if after 4096 steps it is not clear whether it is, as with a shape that
+    /// turns very close beside it; `time` is then a longer interval.
+    ///
+    /// Cost and errors are those of [`MotionQuery::first`]. For a ball, [`MotionQuery::first_of_ball`] is more exact.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Quat, Vec3};
+    /// use morph_collision::motion::{MotionQuery, MovingBody, MovingShape};
+    /// # use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, Shape, WorldFromModel};
+    ///
+    /// // A triangle, and a target that lifts it to z = 2.
+    /// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z * 2.0; 3]])?;
+    /// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+    /// let (mut rest, mut lifted, world) = (Pose::new(bvh.clone()), Pose::new(bvh), WorldFromModel::IDENTITY);
+    /// lifted.set_weights(&[1.0])?;
+    /// let rising = MovingBody::new(Body::new(&mut rest, &world), Body::new(&mut lifted, &world))?;
+    ///
+    /// // A box falls through it.
+    /// let cuboid = PlacedShape::new(Shape::Cuboid { half_extents: Vec3::splat(0.5) }, Quat::IDENTITY, Vec3::new(0.25, 0.25, 4.5))?;
+    /// let falling = MovingShape::new(cuboid, DVec3::NEG_Z * 6.0)?;
+    /// let impact = MotionQuery::new().first_of_shape(&falling, rising, 1e-6)?.ok_or("no impact")?;
+    /// assert!((impact.time.latest - 0.5).abs() < 1e-6);
+    /// assert_eq!((impact.normal, impact.velocity), (DVec3::Z, DVec3::Z * -8.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn first_of_shape(
+        &mut self,
+        shape: &MovingShape,
+        body: MovingBody<'_>,
+        tolerance: f64,
+    ) -> Result<Option<SurfaceImpact>, LimitReached> {
+        self.first_of(
+            body,
+            |bounds| bounds.around_shape(shape),
+            tolerance,
+            |triangle, latest, stats| {
+                let touch = first_touch(shape, &triangle.points, tolerance, latest, &mut stats.feature_tests)?;
+                Some(SurfaceImpact::new(triangle.number, shape, &triangle.points, &touch))
+            },
+        )
+    }
+
+    /// The first impact of something in a box. `impact` says when it touches a triangle, unless that is only after the given time.
+    fn first_of(
+        &mut self,
+        body: MovingBody<'_>,
+        around: impl Fn(&mut ShapeBox) -> MovingBody<'_>,
+        tolerance: f64,
+        impact: impl Fn(&MovingTriangle<'_>, f64, &mut QueryStats) -> Option<SurfaceImpact>,
+    ) -> Result<Option<SurfaceImpact>, LimitReached> {
+        let mut bounds = self.shape_box.take().unwrap_or_else(|| Box::new(ShapeBox::new()));
+        let mut earliest = Earliest::new(tolerance);
+        let latest = Cell::new(1.0);
+        let mut test = |triangle: &MovingTriangle<'_>, _: &MovingTriangle<'_>, stats: &mut QueryStats| {
+            if let Some(impact) = impact(triangle, latest.get(), stats) {
                 earliest.add(impact.time, impact, |impact| impact.triangle, stats);
             }
             latest.set(earliest.latest(stats));
             ControlFlow::Continue(())
         };
-        let ball_body = bounds.around(ball);
         let Self { walk, limit, stats, .. } = self;
-        let walked = walk.run(body, ball_body, Search::First(&latest), *limit, stats, &mut test);
-        self.ball = Some(bounds);
+        let walked = walk.run(
+            body,
+            around(&mut bounds),
+            Search::First(&latest),
+            *limit,
+            stats,
+            &mut test,
+        );
+        self.shape_box = Some(bounds);
         let first = earliest.found(walked)?;
-        Ok(first.map(|(time, impact)| BallImpact { time, ..impact }))
+        Ok(first.map(|(time, impact)| SurfaceImpact { time, ..impact }))
     }
 
     /// Appends every pair of features of one body that touch, leaving out those that share a vertex. So a fold at a common edge is not

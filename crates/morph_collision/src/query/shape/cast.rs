@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::ShapeQuery;
 use super::closest::Closest;
+use super::moving::MovingShape;
 use super::placed::PlacedShape;
 use super::solid::Solid;
 use crate::bounds::{Box64, ByBox, PlacedBounds};
@@ -173,7 +174,7 @@ fn first_impact_of_solid(
 }
 
 /// Lower bounds on how far a shape must move to touch anything in a node's box.
-struct Sweep {
+pub(super) struct Sweep {
     body: PlacedBounds,
     /// Unit vectors, the shape's extent along each, and its speed along each.
     slabs: [(DVec3, [f64; 2], f64); 6],
@@ -184,13 +185,24 @@ struct Sweep {
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl Sweep {
+    /// A shape that moves and turns; times are shares of the motion.
+    pub(super) fn of_motion(shape: &MovingShape, body: PlacedBounds) -> Self {
+        let [start, end] = [shape.at(0.0), shape.at(1.0)];
+        let (velocity, bulge) = (shape.translation(), shape.bulge());
+        // The shape seen by an observer who moves with it.
+        let support = |w: DVec3| start.support(w).max(end.support(w) - w.dot(velocity)) + bulge;
+        let mut sweep = Self::new(&start, velocity.try_normalize().unwrap_or(DVec3::X), body);
+        for (w, extent, speed) in &mut sweep.slabs {
+            (*extent, *speed) = ([-support(-*w), support(*w)], w.dot(velocity));
+        }
+        sweep.slack += ROUNDING * shape.reach();
+        sweep
+    }
+
     fn new(shape: &PlacedShape, direction: DVec3, body: PlacedBounds) -> Self {
         let across = direction.any_orthonormal_pair();
         let along = [direction, across.0, across.1, DVec3::X, DVec3::Y, DVec3::Z];
-        let larger = |p: f64, q: f64| if q > p { q } else { p };
-        let supports = |w: DVec3| shape.solids().iter().map(move |solid| solid.support(w));
-        let support = |w: DVec3| supports(w).fold(f64::NEG_INFINITY, larger);
-        let slabs = along.map(|w| (w, [-support(-w), support(w)], w.dot(direction)));
+        let slabs = along.map(|w| (w, [-shape.support(-w), shape.support(w)], w.dot(direction)));
         let body_reach = body.world_reach().element_sum();
         let blind_gap = largest(shape.solids().iter().map(|solid| solid.blind_gap(body_reach)));
         let slack = ROUNDING * (body_reach + shape.reach()) + 3.0 * body.error() + blind_gap;
@@ -200,7 +212,7 @@ impl Sweep {
     /// The earliest distance at which the shape may touch the box; `None` if it certainly misses the box.
     ///
     /// The slack also covers the rounding of speeds, for the distances at which the shape meets boxes.
-    fn earliest(&self, node: &Box64) -> Option<f64> {
+    pub(super) fn earliest(&self, node: &Box64) -> Option<f64> {
         let world_from_model = self.body.world_from_model();
         let m = world_from_model.linear();
         let center = m * node.center + world_from_model.translation();

@@ -178,6 +178,22 @@ impl PlacedShape {
         (&solids[0], &solids[1..])
     }
 
+    /// The largest `direction . x` for a unit vector; may be infinite.
+    pub(super) fn support(&self, direction: DVec3) -> f64 {
+        let larger = |p: f64, q: f64| if q > p { q } else { p };
+        let supports = self.solids().iter().map(|solid| solid.support(direction));
+        supports.fold(f64::NEG_INFINITY, larger)
+    }
+
+    /// The same parts, each changed.
+    pub(super) fn map(&self, change: impl Fn(&Solid) -> Solid) -> Self {
+        let parts = match &self.parts {
+            Parts::One([solid]) => Parts::One([change(solid)]),
+            Parts::Many(solids) => Parts::Many(solids.iter().map(change).collect()),
+        };
+        Self { parts }
+    }
+
     /// A point inside.
     pub(super) fn center(&self) -> DVec3 {
         self.first_and_others().0.center()

@@ -1,6 +1,6 @@
 //! One convex shape in world space.
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::closest::Closest;
 use super::core::{BLIND, Core, Cuboid, Frame, Frustum, LARGEST, PlacedHull};
@@ -141,6 +141,43 @@ impl Solid {
                 point: *point + offset,
                 normal: *normal,
             },
+        }
+    }
+
+    pub(super) fn is_half_space(&self) -> bool {
+        matches!(self, Self::HalfSpace { .. })
+    }
+
+    /// Turned around a point.
+    pub(super) fn turned(&self, turn: &DMat3, pivot: DVec3) -> Self {
+        match self {
+            Self::Round { core, radius } => Self::Round {
+                core: core.turned(turn, pivot),
+                radius: *radius,
+            },
+            Self::HalfSpace { point, normal } => Self::HalfSpace {
+                point: pivot + *turn * (*point - pivot),
+                normal: *turn * *normal,
+            },
+        }
+    }
+
+    /// The shortest rotation from a solid of the same kind, as the axis times the angle. `None` for another kind, or a half-space.
+    pub(super) fn rotation_from(&self, before: &Self) -> Option<DVec3> {
+        match (before, self) {
+            (Self::Round { core: before, .. }, Self::Round { core, .. }) => core.rotation_from(before),
+            _ => None,
+        }
+    }
+
+    /// A bound on the distances of its points from a point.
+    pub(super) fn farthest_from(&self, point: DVec3) -> f64 {
+        match self {
+            Self::Round { core, radius } => {
+                let (center, around) = core.around();
+                center.distance(point) + around + radius
+            }
+            Self::HalfSpace { .. } => f64::INFINITY,
         }
     }
 

@@ -15,7 +15,7 @@ use crate::exact::{
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) struct Cuboid {
     half: DVec3,
-    frame: Frame,
+    pub(super) frame: Frame,
 }
 
 /// The corners of each face, in order. The diagonal from the first corner splits the face into two triangles; it is part of the

@@ -9,7 +9,7 @@ mod placed_hull;
 mod segment;
 mod separation;
 
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 
 use super::closest::Closest;
 use crate::exact::{Segment, Triangle, closest_on_segment};
@@ -125,13 +125,55 @@ impl Core {
     }
 
     /// A ball around it.
-    fn around(&self) -> (DVec3, f64) {
+    pub(super) fn around(&self) -> (DVec3, f64) {
         match self {
             Self::Segment([p, q]) => (p.midpoint(*q), p.distance(*q) * 0.5),
             Self::Cuboid(cuboid) => cuboid.around(),
             Self::Frustum(frustum) => frustum.around(),
             Self::Hull(hull) => hull.around(),
         }
+    }
+
+    /// Turned around a point.
+    pub(super) fn turned(&self, turn: &DMat3, pivot: DVec3) -> Self {
+        let place = |point: DVec3| pivot + *turn * (point - pivot);
+        let mut turned = self.clone();
+        match &mut turned {
+            Self::Segment(axis) => axis.iter_mut().for_each(|end| *end = place(*end)),
+            Self::Cuboid(Cuboid { frame, .. })
+            | Self::Frustum(Frustum { frame, .. })
+            | Self::Hull(PlacedHull { frame, .. }) => {
+                *frame = Frame {
+                    rotation: *turn * frame.rotation,
+                    center: place(frame.center),
+                };
+            }
+        }
+        turned
+    }
+
+    /// The shortest rotation from a core of the same kind, as the axis times the angle.
+    pub(super) fn rotation_from(&self, before: &Self) -> Option<DVec3> {
+        let rotation = match (before, self) {
+            (Self::Segment([p, q]), Self::Segment([p_now, q_now])) => {
+                let (was, is) = ((q - p).normalize_or_zero(), (q_now - p_now).normalize_or_zero());
+                if was == is || was == DVec3::ZERO || is == DVec3::ZERO {
+                    return Some(DVec3::ZERO);
+                }
+                DQuat::from_rotation_arc(was, is)
+            }
+            (Self::Cuboid(Cuboid { frame: was, .. }), Self::Cuboid(Cuboid { frame: is, .. }))
+            | (Self::Frustum(Frustum { frame: was, .. }), Self::Frustum(Frustum { frame: is, .. }))
+            | (Self::Hull(PlacedHull { frame: was, .. }), Self::Hull(PlacedHull { frame: is, .. })) => {
+                if was.rotation == is.rotation {
+                    return Some(DVec3::ZERO);
+                }
+                DQuat::from_mat3(&(is.rotation * was.rotation.transpose())).normalize()
+            }
+            _ => return None,
+        };
+        let shortest = if rotation.w < 0.0 { -rotation } else { rotation };
+        Some(shortest.to_scaled_axis())
     }
 
     /// A bound on how far any point has moved, up to rounding of the lengths. Infinite for another kind or size of core.

@@ -79,19 +79,151 @@ fn weights_move_colliders_too() {
 }
 
 #[test]
-fn pairs_with_a_shape_have_no_way() {
+fn shapes_have_a_way() {
+    for bullet_is_shape in [true, false] {
+        let mut range = Range::new();
+        let (shape, mesh) = if bullet_is_shape {
+            (range.bullet, range.wall)
+        } else {
+            (range.wall, range.bullet)
+        };
+        range.app.insert(shape, MorphShape::from(Cylinder::new(0.25, 0.5)));
+        settle(&mut range.app);
+        range.news();
+        range.shoot(2.0);
+        let (starts, ends) = range.news();
+        assert_eq!((starts.len(), ends.len()), (1, 1));
+        let impact = starts[0].impact.unwrap();
+        // Of the wall or of the cube, and the cylinder is round towards it.
+        let gap = if bullet_is_shape {
+            2.0 - 0.25 - HALF
+        } else {
+            2.0 - 0.25 - 0.5
+        };
+        assert!((impact.earliest - f64::from(gap / 4.0)).abs() < 1e-5, "{impact:?}");
+        assert_eq!(impact.features, MorphImpactFeatures::Shape);
+        let shape_first = shape < mesh;
+        let (of_shape, of_mesh) = if shape_first { (0, 1) } else { (1, 0) };
+        let triangles = [impact.triangles.triangle_a, impact.triangles.triangle_b];
+        assert_eq!(triangles[of_shape], MorphContact::NO_TRIANGLE);
+        assert!(triangles[of_mesh] < 12);
+        assert_eq!(impact.barycentrics[of_shape], Vec3::ZERO);
+        assert!((impact.barycentrics[of_mesh].element_sum() - 1.0).abs() < 1e-5);
+        // The first of the pair moves back out of the second.
+        let out = if range.bullet < range.wall {
+            Vec3::NEG_X
+        } else {
+            Vec3::X
+        };
+        assert!(impact.normal.distance(out) < 1e-5, "{impact:?}");
+        assert!(impact.velocity.dot(out) < 0.0);
+    }
+}
+
+#[test]
+fn a_shape_turns_on_its_way() {
+    let mut range = Range::new();
+    let sword = MorphShape::Cuboid {
+        half_extents: Vec3::new(0.01, 2.0, 0.01),
+    };
+    let place = |turn: f32| Transform::from_xyz(-1.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(turn));
+    // Below it is in front of the wall, and above it is behind; upright, it does not reach the wall.
+    range.app.insert(range.bullet, (sword, place(0.3)));
+    settle(&mut range.app);
+    range.news();
+    range.app.insert(range.bullet, place(-0.3));
+    range.app.update();
+    assert_eq!(range.counts(), (0, 0));
+    // It is swung by nearly half a turn.
+    range.app.insert(range.bullet, place(-2.8));
+    range.app.update();
+    let (starts, ends) = range.news();
+    assert_eq!((starts.len(), ends.len()), (1, 1));
+    let impact = starts[0].impact.unwrap();
+    // The corner at its end comes to x = 0 - HALF: 2 sin a - 0.01 cos a = 0.99, or nearly.
+    let angle = 0.3 + 2.5 * impact.earliest;
+    let reach = 2.0 * angle.sin() + 0.01 * angle.cos() - f64::from(1.0 - HALF);
+    assert!(reach.abs() < 1e-3, "{reach} {impact:?}");
+}
+
+#[test]
+fn a_shape_that_was_another_one_and_a_half_space_have_no_way() {
     let mut range = Range::new();
     let wall = range.wall;
     range.app.insert(wall, MorphShape::Ball { radius: 0.1 });
-    settle(&mut range.app);
     range.shoot(2.0);
+    assert_eq!(range.counts(), (0, 0), "it was a mesh");
+    range.app.insert(wall, MorphShape::from(Cuboid::from_length(0.2)));
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (0, 0), "it was a ball");
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (1, 1));
+    range.app.insert(wall, MorphShape::HalfSpace { normal: Vec3::X });
+    move_to(&mut range.app, wall, -5.0);
+    range.app.update();
+    range.shoot(0.0);
     assert_eq!(range.counts(), (0, 0));
     assert_eq!(diagnostics(&range.app).swept_pairs, 0);
-    // What becomes a mesh again was not one in the last run.
-    range.app.remove::<MorphShape>(wall);
-    range.shoot(-2.0);
+}
+
+#[test]
+fn colliders_within_their_margins_have_a_way_to_touch() {
+    let mut range = Range::new();
+    let bullet = MorphCollider::default().with_continuous(true).with_margin(1.0);
+    range.app.insert(range.bullet, bullet);
+    range.shoot(-1.2);
+    let (starts, ends) = range.news();
+    assert_eq!((starts.len(), ends.len()), (1, 0));
+    assert!(starts[0].impact.is_none(), "only margins touch");
+    let lasting = |range: &Range| {
+        let collisions = range.app.world().resource::<MorphCollisions>();
+        collisions.get(range.bullet, range.wall).unwrap().clone()
+    };
+    // To the other side, near the wall again: it lasts, and has an impact now.
+    range.shoot(1.2);
     assert_eq!(range.counts(), (0, 0));
-    range.shoot(2.0);
+    let contact = lasting(&range);
+    assert!(contact.distance > 0.0);
+    let time = contact.impact.unwrap().earliest;
+    assert!((time - f64::from((1.2 - 0.5 - HALF) / 2.4)).abs() < 1e-5, "{time}");
+    // Nothing new, so the old one stays.
+    range.shoot(1.3);
+    assert_eq!(lasting(&range).impact, contact.impact);
+    // Through the wall, away from it.
+    range.shoot(-5.0);
+    assert_eq!(range.counts(), (0, 1));
+    let ended: Vec<_> = range
+        .app
+        .world()
+        .resource::<MorphCollisions>()
+        .ended()
+        .cloned()
+        .collect();
+    let time = ended[0].impact.unwrap().earliest;
+    assert!((time - f64::from((1.3 - 0.5 - HALF) / 6.3)).abs() < 1e-5, "{time}");
+}
+
+#[test]
+fn a_tolerance_that_ends_on_the_way_does_not_mix_two_states() {
+    let mut range = Range::new();
+    let mesh = add_mesh(&mut range.app, &stretching_cube());
+    let arm = range.bullet;
+    let collider = MorphCollider::default().with_continuous(true);
+    range.app.insert(arm, (Mesh3d(mesh), collider.with_tolerance(5.0)));
+    set_weight(&mut range.app, arm, 0.0);
+    settle(&mut range.app);
+    range.news();
+    // It stretches far to the right, and moves to the left by as much. Collisions still see it as it was.
+    set_weight(&mut range.app, arm, 2.5);
+    range.shoot(-5.0);
+    assert_eq!(range.counts(), (0, 0));
+    // From there it goes up and away. Stretched at its old place it would have been in the wall.
+    range.app.insert(arm, collider);
+    set_weight(&mut range.app, arm, 0.0);
+    range.shoot(-2.5);
+    assert_eq!(range.counts(), (0, 0));
+    // Its motion goes on from there.
+    range.shoot(2.5);
     assert_eq!(range.counts(), (1, 1));
 }
 

@@ -220,12 +220,6 @@ fn what_a_shape_does_not_use_is_told() {
         }),
         &shape,
     );
-    let warning = warning_about(|app| {
-        let bullet = MorphCollider::default().with_continuous(true);
-        app.spawn((MorphShape::default(), bullet, Name::new("Ball")));
-    });
-    says(&warning, &shape);
-    says(&warning, &["`MorphCollider::continuous`", "cast_shape"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Continuous colliders: pairs that are also compared on the way from the last run to this one.
 //!
-//! A pair of meshes is continuous if one of them is, and then the motion of both counts. The broad phase sweeps boxes from the last
+//! A pair is continuous if one of its colliders is, and then the motion of both counts. The broad phase sweeps boxes from the last
 //! run to this one (`SweptPairs`). The narrow phase looks for the first contact on the way (`narrow_phase/motion`), unless the
 //! colliders already touched in the last run. Other pairs see nothing of this.
 
@@ -8,12 +8,12 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use morph_collision::{Aabb, overlapping_pairs};
 
-use crate::state::{Form, Placement};
+use crate::state::Placement;
 
 /// Finds the pairs that may touch on their way from the last run to this one.
 #[derive(Default)]
 pub(crate) struct SweptPairs {
-    /// The pairs of meshes, in ascending order of entities and sorted. At least one of each is continuous.
+    /// The pairs, in ascending order of entities and sorted. At least one of each is continuous.
     pub(crate) pairs: Vec<(Entity, Entity)>,
     /// The colliders in the last run, ascending, as collisions saw them.
     before: Vec<(Entity, Placement)>,
@@ -40,16 +40,15 @@ impl SweptPairs {
         index.ok().map(|index| &self.before[index].1)
     }
 
-    /// Finds the pairs among the colliders of this run, which are in ascending order. Shapes, and colliders that took no part in the
-    /// last run or that were put somewhere else, have no way.
+    /// Finds the pairs among the colliders of this run, which are in ascending order. Half-spaces, shapes of another kind than before, and
+    /// colliders that took no part in the last run or that were put somewhere else, have no way.
     pub(crate) fn find(&mut self, colliders: &[(Entity, Placement)], elsewhere: &EntityHashSet) {
         let mut before = self.before.iter().peekable();
         let way = |(entity, placed): &(Entity, Placement)| {
             while before.next_if(|(other, _)| other < entity).is_some() {}
             let (_, before) = before.next_if(|(other, _)| other == entity)?;
-            let are_meshes = matches!((&before.form, &placed.form), (Form::Mesh(_), Form::Mesh(_)));
             let stays = !elsewhere.contains(entity) && !elsewhere.contains(&placed.body);
-            (are_meshes && stays).then(|| before.bounds.union(&placed.bounds))
+            if stays { placed.way_from(before) } else { None }
         };
         self.ways.clear();
         self.ways.extend(colliders.iter().map(way));

@@ -63,12 +63,13 @@ pub struct MorphCollider {
     ///
     /// Motion counts from one run to the next, with weights, joints and transforms together. It does not count
     ///
-    /// - in pairs with a [`MorphShape`](crate::components::MorphShape): what should not pass through others needs a mesh;
+    /// - for a half-space, and for a [`MorphShape`](crate::components::MorphShape) that was one of another kind in the last run;
     /// - while collisions are paused, and for colliders that took no part in the last run (new, disabled, or with another mesh);
     /// - for entities that you put somewhere else: tell the plugin with [`MorphTeleported`](crate::components::MorphTeleported).
     ///
-    /// The margin only counts where the colliders are now, not on the way. Straight lines flatten what turns far from one run to the
-    /// next: half a turn leads through the axis.
+    /// The margin only counts where the colliders are now, not on the way. Straight lines flatten a mesh that turns far from one run to the
+    /// next: half a turn leads through the axis. A shape keeps its form: its middle moves on a straight line while it turns, the shorter
+    /// way round.
     ///
     /// Costs a second pose, and one query along the way for each pair that is close and did not touch.
     pub continuous: bool,

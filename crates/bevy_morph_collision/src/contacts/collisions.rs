@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use super::body_pairs::BodyPairs;
 use super::changes::Changes;
 use super::contact::MorphContact;
+use super::impact::MorphImpact;
 
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::app::MorphCollisionSystems::NarrowPhase).
 ///
@@ -140,11 +141,18 @@ impl MorphCollisions {
         }
     }
 
-    /// Two colliders touch: starts their contact, or updates it. How it began stays the same.
+    /// How a contact began that was just found. If it lasts, that is known already, unless only margins touched.
+    pub(crate) fn impact_of(&self, contact: &MorphContact) -> Option<MorphImpact> {
+        match self.current.get(&contact.pair()) {
+            Some(before) if before.distance == 0.0 || contact.impact.is_none() => before.impact,
+            _ => contact.impact,
+        }
+    }
+
+    /// Two colliders touch: starts their contact, or updates it.
     pub(crate) fn touch(&mut self, contact: MorphContact) {
-        let pair = contact.pair();
+        let (pair, impact) = (contact.pair(), self.impact_of(&contact));
         if let Some(before) = self.current.get_mut(&pair) {
-            let impact = before.impact;
             *before = MorphContact { impact, ..contact };
         } else {
             self.current.insert(pair, contact);
@@ -152,6 +160,13 @@ impl MorphCollisions {
             self.neighbours.entry(pair.1).or_default().insert(pair.0);
             self.changes.started.push(pair);
         }
+    }
+
+    /// Two colliders whose margins touched have touched since the last run, but are apart now.
+    pub(crate) fn pass(&mut self, contact: MorphContact) {
+        let pair = contact.pair();
+        self.touch(contact);
+        self.part(pair);
     }
 
     /// Two colliders do not touch: ends their contact if there is one.

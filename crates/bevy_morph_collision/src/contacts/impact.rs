@@ -7,7 +7,8 @@ use super::no_triangles::no_triangles;
 
 /// When and where a contact of a [continuous](crate::components::MorphCollider::continuous) collider began, between the last run and this one.
 ///
-/// Between the two runs, every vertex moves on a straight line in the world. For these lines the answer is exact.
+/// Between the two runs, every vertex moves on a straight line in the world. For these lines the answer is exact. A
+/// [`MorphShape`](crate::components::MorphShape) keeps its shape: its middle moves on a straight line while it turns.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphImpact {
@@ -27,17 +28,18 @@ pub struct MorphImpact {
     /// What touched first.
     pub features: MorphImpactFeatures,
     /// The triangles of these features: `triangle_a` of `collider1`, `triangle_b` of `collider2`. Where several triangles have the
-    /// vertex or edge, it is one of them.
+    /// vertex or edge, it is one of them. For a [`MorphShape`](crate::components::MorphShape) it is
+    /// [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE).
     ///
     /// Not reflected: both are [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE) in a value created by reflection.
     #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
-    /// The barycentric coordinates of the point in each triangle, for example to stick a [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor)
+    /// The barycentric coordinates of the point in each triangle (zero for a shape), for example to stick a [`MorphSurfaceAnchor`](crate::surface::MorphSurfaceAnchor)
     /// to it.
     pub barycentrics: [Vec3; 2],
 }
 
-/// The features of two meshes that touch first.
+/// The features of two colliders that touch first.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Debug, Clone, PartialEq, Hash)]
 pub enum MorphImpactFeatures {
@@ -47,7 +49,9 @@ pub enum MorphImpactFeatures {
     FaceVertex,
     /// An edge of each.
     EdgeEdge,
-    /// Two triangles that already intersected in the last run. That happens if the colliders were not compared then, for example
+    /// A [`MorphShape`](crate::components::MorphShape) and a triangle.
+    Shape,
+    /// Two triangles, or a shape and a triangle, that already intersected in the last run. That happens if the colliders were not compared then, for example
     /// because of their layers.
     AtStart,
     /// It takes too much work to tell whether anything touched on the way (`docs/continuous.md`). They may have touched at `earliest` or

@@ -62,7 +62,6 @@ fn without_mesh(subject: &SubjectItem, around: &Around, is_new: bool, log: &mut 
 fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
     let entity = subject.entity;
     let physics = around.others.of(subject.archetype).map(|other| other.name);
-    let is_continuous = subject.collider.is_some_and(|collider| collider.continuous);
     let without_effect = [
         (
             physics.is_some(),
@@ -78,11 +77,6 @@ fn with_shape(subject: &SubjectItem, around: &Around, log: &mut WarnOnce) {
             subject.tree_options,
             "MorphTreeOptions",
             "remove the shape, or put it on another entity",
-        ),
-        (
-            is_continuous,
-            "MorphCollider::continuous",
-            "use a mesh instead, or cast the shape along its way with `MorphSpatialQuery::cast_shape`",
         ),
     ];
     for (_, component, remedy) in without_effect.into_iter().filter(|(is_there, ..)| *is_there) {

@@ -122,10 +122,12 @@ impl NarrowPhase {
                 pair,
                 indices,
                 mode: a.placement.mode.max(b.placement.mode),
-                // A contact that lasts cannot begin, nor can one that hooks dropped.
+                // A contact that lasts cannot begin, unless only margins touched, nor can one that hooks dropped.
                 is_swept: is_swept
                     && (a.changed || b.changed)
-                    && !contacts.contains(pair.0, pair.1)
+                    && contacts
+                        .get(pair.0, pair.1)
+                        .is_none_or(|contact| contact.distance > 0.0)
                     && !dropped.contains(&pair),
             })
         };

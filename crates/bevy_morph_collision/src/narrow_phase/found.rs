@@ -47,10 +47,7 @@ impl FoundContacts {
                 continue;
             };
             let (bodies, impact) = ((contact.body1, contact.body2), contact.impact);
-            // How a contact began is stored with it.
-            if let Some(known) = collisions.get(pair.0, pair.1) {
-                contact.impact = known.impact;
-            }
+            contact.impact = collisions.impact_of(contact);
             if keep(contact) {
                 (contact.collider1, contact.collider2) = *pair;
                 (contact.body1, contact.body2) = bodies;
@@ -80,6 +77,15 @@ pub(crate) fn store_contacts(
     collisions.begin_run();
     if runs.compared() {
         let pairs = &candidates.pairs;
+        // Where only margins touched, the contact does not start anew.
+        for (pair, outcome) in &mut found.outcomes {
+            if let Outcome::Passed(contact) = outcome
+                && collisions.contains(pair.0, pair.1)
+            {
+                collisions.pass(contact.clone());
+                *outcome = Outcome::Apart;
+            }
+        }
         collisions.end_unless(|pair| pairs.binary_search(&pair).is_ok() && !hooked.refuse(pair));
         let mut passed = Vec::new();
         for (pair, outcome) in found.outcomes.drain(..) {

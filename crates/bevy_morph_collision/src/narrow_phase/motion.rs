@@ -1,14 +1,14 @@
-//! Finds the first contact of two meshes on their way from the last run to this one, within a limit of work.
+//! Finds the first contact of two colliders on their way from the last run to this one, within a limit of work.
 
 use bevy::math::{DVec3, Vec3};
-use morph_collision::motion::{Features, LimitReached, MotionContact, MovingBody};
+use morph_collision::motion::{Features, LimitReached, MotionContact, MovingBody, MovingShape, SurfaceImpact};
 use morph_collision::{MorphModel, QueryStats, TrianglePair};
 
 use super::comparison::Comparison;
 use super::contact_queries::ContactQueries;
 use super::participant::PlacedCollider;
-use super::starts::RunView;
-use crate::contacts::{MorphContact, MorphImpact, MorphImpactFeatures, no_triangles};
+use super::starts::{RunView, Start, StartForm};
+use crate::contacts::{MorphContact, MorphImpact, MorphImpactFeatures, no_triangles, pair_with_shape};
 
 /// The largest difference between the two ends of a time of impact, relative to the time between two runs.
 const TOLERANCE: f64 = 1e-6;
@@ -19,7 +19,7 @@ pub(super) const STEPS_PER_PAIR: u64 = 200_000;
 /// The additional steps that pairs share which need more: about 8 ms.
 pub(super) const SHARED_STEPS: u64 = 3_000_000;
 
-/// What is known about two meshes on their way.
+/// What is known about two colliders on their way.
 pub(super) enum SweptResult {
     /// They do not touch on it, or the way of one of them is not known.
     Apart,
@@ -41,32 +41,20 @@ impl ContactQueries {
         let (Some(start_a), Some(start_b)) = (view.starts.of(a), view.starts.of(b)) else {
             return SweptResult::Apart;
         };
-        // Each locks its pose: in ascending order, and the start of a collider after its end.
-        let (Some(mut end_a), mut mesh_a) = (a.mesh(), start_a.mesh()) else {
-            return SweptResult::Apart;
-        };
-        let (Some(mut end_b), mut mesh_b) = (b.mesh(), start_b.mesh()) else {
-            return SweptResult::Apart;
-        };
-        let body_a = MovingBody::new(mesh_a.body(), end_a.body());
-        let body_b = MovingBody::new(mesh_b.body(), end_b.body());
-        let (Ok(body_a), Ok(body_b)) = (body_a, body_b) else {
-            return SweptResult::Apart;
-        };
         self.motion.set_limit(steps);
-        let first = self.motion.first(body_a, body_b, TOLERANCE);
+        let first = match [&start_a.form, &start_b.form] {
+            [StartForm::Shape(shape), _] => self.of_shape(shape, (b, start_b), true, view.seconds),
+            [_, StartForm::Shape(shape)] => self.of_shape(shape, (a, start_a), false, view.seconds),
+            _ => self.of_meshes((a, start_a), (b, start_b), view.seconds),
+        };
+        let Some(first) = first else {
+            return SweptResult::Apart;
+        };
         *stats += self.motion.stats();
         match first {
             Ok(None) => SweptResult::Apart,
-            Ok(Some(contact)) => {
-                let models = [&end_a, &end_b].map(|end| end.pose.bvh().model().as_ref());
-                let impact = impact(&contact, models, view.seconds);
-                if impact.latest - impact.earliest > TOLERANCE {
-                    SweptResult::Undecided(impact)
-                } else {
-                    SweptResult::Touching(impact)
-                }
-            }
+            Ok(Some(impact)) if impact.latest - impact.earliest > TOLERANCE => SweptResult::Undecided(impact),
+            Ok(Some(impact)) => SweptResult::Touching(impact),
             Err(LimitReached { not_before }) => {
                 let [of_a, of_b] = [(a, start_a), (b, start_b)].map(|(now, start)| {
                     let way = now.placement.bounds.union(&start.bounds);
@@ -84,6 +72,68 @@ impl ContactQueries {
                 })
             }
         }
+    }
+}
+
+type FirstImpact = Result<Option<MorphImpact>, LimitReached>;
+
+impl ContactQueries {
+    /// The first contact of two meshes; `None` if the way of one of them is not known.
+    fn of_meshes(
+        &mut self,
+        (a, start_a): (&PlacedCollider<'_>, &Start),
+        (b, start_b): (&PlacedCollider<'_>, &Start),
+        seconds: f64,
+    ) -> Option<FirstImpact> {
+        // Each locks its pose: in ascending order, and the start of a collider after its end.
+        let (mut end_a, mut mesh_a) = (a.mesh()?, start_a.mesh()?);
+        let (mut end_b, mut mesh_b) = (b.mesh()?, start_b.mesh()?);
+        let body_a = MovingBody::new(mesh_a.body(), end_a.body()).ok()?;
+        let body_b = MovingBody::new(mesh_b.body(), end_b.body()).ok()?;
+        let first = self.motion.first(body_a, body_b, TOLERANCE);
+        let models = [&end_a, &end_b].map(|end| end.pose.bvh().model().as_ref());
+        Some(first.map(|contact| contact.map(|contact| impact(&contact, models, seconds))))
+    }
+
+    /// The first contact of a shape and a mesh; `None` if the way of the mesh is not known.
+    fn of_shape(
+        &mut self,
+        shape: &MovingShape,
+        (mesh, start): (&PlacedCollider<'_>, &Start),
+        shape_first: bool,
+        seconds: f64,
+    ) -> Option<FirstImpact> {
+        let (mut end, mut start) = (mesh.mesh()?, start.mesh()?);
+        let body = MovingBody::new(start.body(), end.body()).ok()?;
+        let first = self.motion.first_of_shape(shape, body, TOLERANCE);
+        Some(first.map(|found| found.map(|found| impact_of_shape(&found, shape_first, seconds))))
+    }
+}
+
+fn impact_of_shape(found: &SurfaceImpact, shape_first: bool, seconds: f64) -> MorphImpact {
+    let impact = MorphImpact {
+        earliest: found.time.earliest,
+        latest: found.time.latest,
+        point: found.point.as_vec3(),
+        normal: found.normal.as_vec3(),
+        velocity: per_second(found.velocity, seconds),
+        features: if found.time.latest > 0.0 {
+            MorphImpactFeatures::Shape
+        } else {
+            MorphImpactFeatures::AtStart
+        },
+        triangles: pair_with_shape(found.triangle, true),
+        barycentrics: [Vec3::ZERO, DVec3::from(found.barycentrics).as_vec3()],
+    };
+    if shape_first { impact } else { impact.reversed() }
+}
+
+/// A velocity per motion as one per second; zero if no time passed.
+fn per_second(velocity: DVec3, seconds: f64) -> Vec3 {
+    if seconds > 0.0 {
+        (velocity / seconds).as_vec3()
+    } else {
+        Vec3::ZERO
     }
 }
 
@@ -114,17 +164,12 @@ fn impact(contact: &MotionContact, [model_a, model_b]: [&MorphModel; 2], seconds
         }
         Features::AtStart(_) => (MorphImpactFeatures::AtStart, [face(weights_a), face(weights_b)]),
     };
-    let velocity = if seconds > 0.0 {
-        contact.velocity / seconds
-    } else {
-        DVec3::ZERO
-    };
     MorphImpact {
         earliest: contact.time.earliest,
         latest: contact.time.latest,
         point: contact.point.as_vec3(),
         normal: contact.normal.as_vec3(),
-        velocity: velocity.as_vec3(),
+        velocity: per_second(contact.velocity, seconds),
         features,
         triangles: contact.triangles,
         barycentrics,

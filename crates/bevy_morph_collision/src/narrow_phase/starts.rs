@@ -1,8 +1,9 @@
-//! Where the meshes of continuous pairs were in the last run.
+//! Where the colliders of continuous pairs were in the last run.
 
 use std::sync::Arc;
 
 use bevy::ecs::entity::EntityHashMap;
+use morph_collision::motion::MovingShape;
 use morph_collision::{Aabb, Pose, WorldFromModel};
 
 use super::comparison::{Comparison, Job};
@@ -10,17 +11,26 @@ use super::participant::{PlacedCollider, UsedMesh};
 use crate::broad_phase::SweptPairs;
 use crate::state::{Form, LockedPose};
 
-/// Where meshes were in the last run. One that is needed again keeps its second pose, and what is blended in it.
+/// Where colliders were in the last run. A mesh that is needed again keeps its second pose, and what is blended in it.
 #[derive(Default)]
 pub(super) struct Starts(EntityHashMap<Start>);
 
-/// Where a mesh was, and its shape there.
+/// Where a collider was.
 pub(super) struct Start {
-    /// Around the mesh, in the world.
+    /// Around it, in the world.
     pub(super) bounds: Aabb,
-    world_from_model: WorldFromModel,
-    pose: LockedPose,
+    pub(super) form: StartForm,
     is_used: bool,
+}
+
+/// What a collider was like there.
+pub(super) enum StartForm {
+    Mesh {
+        world_from_model: WorldFromModel,
+        pose: Box<LockedPose>,
+    },
+    /// Its way to where it is now.
+    Shape(MovingShape),
 }
 
 /// What comparisons of a run read.
@@ -70,7 +80,10 @@ impl Starts {
         if self.0.get(&placed.entity).is_some_and(|start| start.is_used) {
             return;
         }
-        let known = self.0.remove(&placed.entity).map(|start| start.pose);
+        let known = self.0.remove(&placed.entity).and_then(|start| match start.form {
+            StartForm::Mesh { pose, .. } => Some(*pose),
+            StartForm::Shape(_) => None,
+        });
         if let Some(start) = Start::new(placed, swept, known) {
             self.0.insert(placed.entity, start);
         }
@@ -81,10 +94,16 @@ impl Start {
     /// `None` if it was not there. `known` is its second pose, if it has one already.
     fn new(placed: &PlacedCollider<'_>, swept: &SweptPairs, known: Option<LockedPose>) -> Option<Self> {
         let before = swept.before(placed.entity)?;
-        let Form::Mesh(world_from_model) = before.form else {
-            return None;
-        };
         let bounds = before.bounds;
+        let is_used = true;
+        let world_from_model = match (&before.form, &placed.placement.form) {
+            (Form::Mesh(world_from_model), Form::Mesh(_)) => *world_from_model,
+            (Form::Shape(from), Form::Shape(to)) => {
+                let form = StartForm::Shape(MovingShape::between(from, to)?);
+                return Some(Self { bounds, form, is_used });
+            }
+            _ => return None,
+        };
         let now = placed.pose.as_ref()?.lock();
         let known = known.filter(|pose| Arc::ptr_eq(pose.lock().bvh(), now.bvh()));
         let mut pose = known.unwrap_or_else(|| LockedPose::new(Pose::new(now.bvh().clone())));
@@ -95,20 +114,19 @@ impl Start {
             let joints = now.joints().is_none_or(|joints| before.set_joints(joints).is_ok());
             joints && before.set_weights(now.weights()).is_ok()
         };
-        let is_used = true;
-        is_known.then_some(Self {
-            bounds,
-            world_from_model,
-            pose,
-            is_used,
-        })
+        let pose = Box::new(pose);
+        let form = StartForm::Mesh { world_from_model, pose };
+        is_known.then_some(Self { bounds, form, is_used })
     }
 
-    /// The mesh, for queries. Waits while another thread uses it.
-    pub(super) fn mesh(&self) -> UsedMesh<'_> {
-        UsedMesh {
-            pose: self.pose.lock(),
-            world_from_model: &self.world_from_model,
+    /// The mesh, for queries; `None` for a shape. Waits while another thread uses it.
+    pub(super) fn mesh(&self) -> Option<UsedMesh<'_>> {
+        match &self.form {
+            StartForm::Mesh { world_from_model, pose } => Some(UsedMesh {
+                pose: pose.lock(),
+                world_from_model,
+            }),
+            StartForm::Shape(_) => None,
         }
     }
 }

@@ -56,7 +56,10 @@ impl ColliderState {
     /// Updates the state that collisions see, unless the collider has moved by at most its tolerance since the last update.
     /// Returns whether collisions see an earlier state.
     pub(crate) fn hold(&mut self, was_absent: bool, tolerance: f32) -> bool {
-        let Some(placed) = self.placed.as_ref().filter(|_| tolerance > 0.0).cloned() else {
+        // An earlier state is shown for one more run, as the start of a motion, before the current one takes its place.
+        let is_released = self.held.as_ref().is_some_and(|held| held.is_released() || was_absent);
+        let holds = tolerance > 0.0 || (self.held.is_some() && !is_released);
+        let Some(placed) = self.placed.as_ref().filter(|_| holds).cloned() else {
             self.held = None;
             self.freshness.stop_holding();
             return false;

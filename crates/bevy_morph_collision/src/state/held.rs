@@ -47,6 +47,11 @@ impl Held {
         std::mem::replace(&mut self.tolerance, tolerance) == tolerance
     }
 
+    /// Whether it has shown the current state once since the collider lost its tolerance.
+    pub(super) fn is_released(&self) -> bool {
+        self.tolerance == 0.0
+    }
+
     /// Whether only poses and transforms differ, and no point has moved by more than the tolerance.
     pub(super) fn is_within_tolerance(&mut self, pose: Option<&mut Pose>, placed: &Placement) -> bool {
         let rest = Placement {

@@ -2,6 +2,7 @@
 
 use crate::components::{MorphCollisionLayers, MorphCollisionMode};
 use bevy::prelude::*;
+use morph_collision::motion::MovingShape;
 use morph_collision::{Aabb, PlacedShape, WorldFromModel};
 
 /// Everything besides the pose that the broad and narrow phases depend on.
@@ -47,6 +48,22 @@ impl Placement {
             Some(Skip::Rigid)
         } else {
             None
+        }
+    }
+
+    /// A box around its way from an earlier placement; `None` if it has none.
+    pub(crate) fn way_from(&self, before: &Self) -> Option<Aabb> {
+        match (&before.form, &self.form) {
+            (Form::Mesh(_), Form::Mesh(_)) => Some(before.bounds.union(&self.bounds)),
+            (Form::Shape(from), Form::Shape(to)) => {
+                let [low, high] = MovingShape::between(from, to)?.bounds();
+                let way = Aabb {
+                    min: low.as_vec3().map(f32::next_down),
+                    max: high.as_vec3().map(f32::next_up),
+                };
+                Some(way.union(&self.bounds))
+            }
+            _ => None,
         }
     }
 

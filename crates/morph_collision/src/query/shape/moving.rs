@@ -162,6 +162,13 @@ impl MovingShape {
         self.shape.reach() + self.translation.abs().max_element() + largest(self.radii.iter().copied())
     }
 
+    /// Returns two opposite corners of a box around the whole motion, in world space.
+    #[must_use]
+    pub fn bounds(&self) -> [DVec3; 2] {
+        let [[low, high], [low_after, high_after]] = self.boxes();
+        [low.min(low_after), high.max(high_after)]
+    }
+
     /// Boxes around it at the start and at the end, by their corners. It is in a box in between that moves on straight lines from one to the
     /// other.
     pub(in super::super) fn boxes(&self) -> [[DVec3; 2]; 2] {

@@ -4,6 +4,7 @@ use bevy::math::Vec3A;
 use bevy::prelude::*;
 use bevy::shape::Aabb3d;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::spatial::MorphShapeMotion;
 
 use super::{any, ask, three};
 use crate::support::{Edits, add_mesh, app, settle, spawn, stretching_cube};
@@ -243,6 +244,54 @@ fn pairs_with_shapes_have_closest_points_and_contacts() {
 }
 
 #[test]
+fn shapes_that_turn_touch_what_is_on_their_arc() {
+    let (mut app, all) = crowd(60);
+    let blade = || MorphShape::Cuboid {
+        half_extents: Vec3::new(0.05, 1.0, 0.05),
+    };
+    let (mut hits, mut misses) = (0, 0);
+    for i in 0..60_u32 {
+        let x = i as f32;
+        let hand = Vec3::new((x * 1.7).sin(), (x * 0.9).cos(), (x * 2.3).sin()) * 7.0;
+        let rotation = Quat::from_rotation_z(x);
+        let motion = MorphShapeMotion {
+            translation: Vec3::new((3.1 * x).cos(), 0.0, 1.0),
+            pivot: hand,
+            rotation: Vec3::new(x.sin(), x.cos(), 0.5) * 2.0,
+        };
+        let middle = hand + rotation * Vec3::Y;
+        let hit = ask(&mut app, move |s| {
+            s.cast_moving_shape(&blade(), middle, rotation, &motion, &any())
+        });
+        let touched_at = |share: f32| {
+            let turn = Quat::from_scaled_axis(motion.rotation * share);
+            let at = hand + turn * (middle - hand) + motion.translation * share;
+            ask(&mut app, move |s| {
+                s.shape_intersections(&blade(), at, turn * rotation, &any())
+            })
+        };
+        let shares: Vec<f32> = (0..=40).map(|step| step as f32 / 40.0).collect();
+        let first = shares.iter().copied().map(touched_at).position(|met| !met.is_empty());
+        match (hit, first) {
+            (None, None) => misses += 1,
+            (Some(hit), first) => {
+                hits += 1;
+                let (_, place, shape) = all.iter().find(|(entity, ..)| *entity == hit.entity).unwrap();
+                assert!(
+                    hit.time == 0.0 || distance(hit.point, place, shape).abs() < 1e-3,
+                    "{hit:?}"
+                );
+                let last_free = first.map_or(1.0, |first| shares[first]);
+                assert!(hit.time <= last_free + 1e-5, "{hit:?} {last_free}");
+                assert!(first.is_none_or(|first| first == 0 || hit.time > shares[first - 1] - 1e-5));
+            }
+            (None, Some(first)) => panic!("missed something at {first}"),
+        }
+    }
+    assert!(hits > 15 && misses > 10, "{hits} {misses}");
+}
+
+#[test]
 fn every_question_asks_its_predicate() {
     let (mut app, all) = crowd(24);
     let chosen = all[5].0;
@@ -270,6 +319,21 @@ fn every_question_asks_its_predicate() {
                 .map(|hit| hit.entity)
                 .into_iter()
                 .collect(),
+            s.cast_moving_shape_predicate(
+                &MorphShape::default(),
+                away,
+                Quat::IDENTITY,
+                &MorphShapeMotion {
+                    translation: 1.5 * (at - away),
+                    pivot: away,
+                    rotation: Vec3::X,
+                },
+                &any(),
+                only,
+            )
+            .map(|hit| hit.entity)
+            .into_iter()
+            .collect(),
             s.project_point_predicate(away, 99.0, &any(), only)
                 .map(|near| near.entity)
                 .into_iter()

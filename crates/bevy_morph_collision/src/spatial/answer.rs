@@ -52,6 +52,25 @@ pub struct MorphShapeHit {
     pub triangle: u32,
 }
 
+/// The first collider that a moving and turning shape touches.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
+pub struct MorphMotionHit {
+    /// The collider.
+    pub entity: Entity,
+    /// When it is touched, as a share of the motion from 0 to 1; 0 if it is touched at the start. At most 1e-6 too late.
+    pub time: f32,
+    /// Where it is touched, in world space.
+    pub point: Vec3,
+    /// The unit vector from the collider to the shape. Zero only if they touch at the start and there is no such direction.
+    pub normal: Vec3,
+    /// The velocity of the shape at the point, in world units per motion.
+    pub velocity: Vec3,
+    /// The triangle, or [`MorphContact::NO_TRIANGLE`](crate::contacts::MorphContact::NO_TRIANGLE) for a
+    /// [`MorphShape`](crate::components::MorphShape).
+    pub triangle: u32,
+}
+
 /// The point of a collider that is closest to a query point. Meshes are surfaces, a [`MorphShape`](crate::components::MorphShape) is solid.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]

@@ -10,6 +10,7 @@ mod batches;
 mod casters;
 mod filter;
 mod index;
+mod moving_shapes;
 mod overlaps;
 mod pairs;
 mod points;
@@ -25,10 +26,11 @@ mod walker;
 
 use bevy::prelude::*;
 
-pub use answer::{MorphClosestPoints, MorphManifold, MorphProjection, MorphRayHit, MorphShapeHit};
+pub use answer::{MorphClosestPoints, MorphManifold, MorphMotionHit, MorphProjection, MorphRayHit, MorphShapeHit};
 pub(crate) use casters::casters;
 pub use casters::{MorphRayCaster, MorphRayHits, MorphShapeCaster, MorphShapeHits};
 pub use filter::MorphQueryFilter;
+pub use moving_shapes::MorphShapeMotion;
 pub use query::MorphSpatialQuery;
 use state::SpatialState;
 
@@ -38,6 +40,8 @@ pub(crate) fn add(app: &mut App) {
         .register_type::<MorphRayHit>()
         .register_type::<MorphProjection>()
         .register_type::<MorphShapeHit>()
+        .register_type::<MorphMotionHit>()
+        .register_type::<MorphShapeMotion>()
         .register_type::<MorphClosestPoints>()
         .register_type::<MorphManifold>()
         .register_type::<MorphQueryFilter>()

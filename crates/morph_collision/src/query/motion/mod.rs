@@ -35,7 +35,7 @@ pub use limit::LimitReached;
 pub use moving_body::MovingBody;
 pub use query::MotionQuery;
 
-pub use super::shape::{MovingShape, SurfaceImpact};
+pub use super::shape::{MovingShape, MovingShapeImpact, SurfaceImpact};
 pub use crate::exact::motion::{
     MovingPoint, StageCounts, TimeOfImpact, edge_edge_impact, edge_edge_impact_counting, edge_edge_touch,
     edge_edge_touch_counting, vertex_face_impact, vertex_face_impact_counting, vertex_face_touch,

@@ -12,7 +12,7 @@ use super::triangle::MovingTriangle;
 use super::walk::{MotionWalk, Search};
 use super::{Features, LimitReached, MotionContact, MovingBall, MovingBody, MovingShape, SurfaceImpact};
 use crate::query::capped::Capped;
-use crate::query::shape::first_touch;
+use crate::query::shape::first_touch_of_triangle;
 use crate::query::{PairQuery, QueryStats, TrianglePair};
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
@@ -329,7 +329,8 @@ impl MotionQuery {
             |bounds| bounds.around_shape(shape),
             tolerance,
             |triangle, latest, stats| {
-                let touch = first_touch(shape, &triangle.points, tolerance, latest, &mut stats.feature_tests)?;
+                let touch =
+                    first_touch_of_triangle(shape, &triangle.points, tolerance, latest, &mut stats.feature_tests)?;
                 Some(SurfaceImpact::new(triangle.number, shape, &triangle.points, &touch))
             },
         )

@@ -1,4 +1,4 @@
-//! When a moving shape first touches a moving triangle, by conservative advancement (Mirtich 1996).
+//! When a moving shape first touches a triangle, which may move too, or another shape: by conservative advancement (Mirtich 1996).
 //!
 //! At each time, a plane separates the two. They stay apart until they have crossed the gap along its normal, at the largest speed
 //! that any of their points has along it. So each step moves on to that time. Without rotation this is Newton's method for a convex function; with it,
@@ -15,21 +15,64 @@ use crate::exact::motion::{MovingPoint, TimeOfImpact};
 /// A first contact.
 pub(in super::super) struct Touch {
     pub(in super::super) time: TimeOfImpact,
-    /// Where the two touch, on the triangle.
+    /// Where the two touch, on the target.
     pub(in super::super) point: DVec3,
-    /// The unit vector from the triangle to the shape; zero if there is no such direction.
+    /// The unit vector from the target to the shape; zero if there is no such direction.
     pub(in super::super) normal: DVec3,
 }
 
-/// The most times at which a solid and a triangle are compared.
+/// The most times at which a solid and a target are compared.
 const MAX_STEPS: u64 = 4096;
 /// Smaller distances, relative to the coordinates involved, count as touching.
 const TOUCHING: f64 = 1e-13;
 
-/// `None` if they do not touch, or only after `latest`. Adds the number of comparisons to `tests`.
-pub(in super::super) fn first_touch(
+/// What a shape moves towards.
+pub(super) trait Target {
+    /// Its point with the smallest signed distance from a solid, at a time.
+    fn closest(&self, solid: &Solid, time: f64) -> Closest;
+
+    /// How fast its points move along a unit vector at least.
+    fn slowest(&self, direction: DVec3) -> f64;
+}
+
+/// A triangle whose corners move on straight lines.
+impl Target for [MovingPoint; 3] {
+    fn closest(&self, solid: &Solid, time: f64) -> Closest {
+        solid.closest(&at(self, time))
+    }
+
+    fn slowest(&self, direction: DVec3) -> f64 {
+        let [a, b, c] = self.map(|corner| direction.dot(corner.end - corner.start));
+        a.min(b).min(c)
+    }
+}
+
+/// A solid at rest.
+impl Target for Solid {
+    fn closest(&self, solid: &Solid, _: f64) -> Closest {
+        solid.closest_of_solid(self)
+    }
+
+    fn slowest(&self, _: DVec3) -> f64 {
+        0.0
+    }
+}
+
+/// When a shape first touches a moving triangle; `None` if it does not, or only after `latest`. Adds the number of comparisons to `tests`.
+pub(in super::super) fn first_touch_of_triangle(
     shape: &MovingShape,
     triangle: &[MovingPoint; 3],
+    tolerance: f64,
+    latest: f64,
+    tests: &mut u64,
+) -> Option<Touch> {
+    first_touch(shape, triangle, tolerance, latest, tests)
+}
+
+/// The same for any target.
+pub(super) fn first_touch(
+    shape: &MovingShape,
+    target: &impl Target,
     tolerance: f64,
     latest: f64,
     tests: &mut u64,
@@ -41,8 +84,7 @@ pub(in super::super) fn first_touch(
             shape,
             radius,
             solid_at,
-            triangle,
-            velocities: triangle.map(|point| point.end - point.start),
+            target,
         };
         if let Some(touch) = pair.first_touch(tolerance, latest, tests)
             && first.as_ref().is_none_or(|first| touch.time.latest < first.time.latest)
@@ -53,15 +95,14 @@ pub(in super::super) fn first_touch(
     first
 }
 
-struct Pair<'a, S> {
+struct Pair<'a, S, T> {
     shape: &'a MovingShape,
     radius: f64,
     solid_at: S,
-    triangle: &'a [MovingPoint; 3],
-    velocities: [DVec3; 3],
+    target: &'a T,
 }
 
-impl<S: Fn(f64) -> Solid> Pair<'_, S> {
+impl<S: Fn(f64) -> Solid, T: Target> Pair<'_, S, T> {
     fn first_touch(&self, tolerance: f64, latest: f64, tests: &mut u64) -> Option<Touch> {
         let mut now = 0.0_f64;
         let mut normal = DVec3::ZERO;
@@ -98,17 +139,14 @@ impl<S: Fn(f64) -> Solid> Pair<'_, S> {
     fn closest(&self, time: f64, tests: &mut u64) -> (Closest, bool) {
         *tests += 1;
         let solid = (self.solid_at)(time);
-        let closest = solid.closest(&at(self.triangle, time));
+        let closest = self.target.closest(&solid, time);
         let reach = solid.reach() + closest.point.abs().max_element();
         (closest, closest.distance <= TOUCHING * reach)
     }
 
     /// How long they stay apart at least; `None` if forever.
     fn time_to_cross(&self, gap: &Closest) -> Option<f64> {
-        let away = |velocity: &DVec3| gap.normal.dot(*velocity);
-        let [a, b, c] = self.velocities;
-        let slowest = away(&a).min(away(&b)).min(away(&c));
-        let approach = self.shape.speed_along(gap.normal, self.radius) - slowest;
+        let approach = self.shape.speed_along(gap.normal, self.radius) - self.target.slowest(gap.normal);
         (approach > 0.0).then(|| gap.distance / approach)
     }
 }

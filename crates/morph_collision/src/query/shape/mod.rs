@@ -24,12 +24,12 @@ mod region;
 mod solid;
 
 pub use cast::{ShapeCastHit, ShapeImpact};
-pub(super) use first_touch::first_touch;
+pub(super) use first_touch::first_touch_of_triangle;
 pub use hull::{ConvexHull, HullError};
 pub use kinds::Shape;
 pub use moving::MovingShape;
 pub use moving_cast::SurfaceImpact;
-pub use pair::ShapeGap;
+pub use pair::{MovingShapeImpact, ShapeGap};
 pub use placed::PlacedShape;
 pub use point::ClosestPoint;
 pub use query::{ShapeContact, ShapeQuery};

@@ -4,7 +4,10 @@ use glam::DVec3;
 
 use super::cast::{ShapeImpact, first_impact, unit_direction};
 use super::closest::Closest;
+use super::first_touch::{Touch, first_touch};
+use super::moving::MovingShape;
 use super::placed::PlacedShape;
+use crate::exact::motion::TimeOfImpact;
 use crate::input_error::{InputError, check_length};
 
 /// The closest points of two shapes, or the deepest points if they intersect.
@@ -95,6 +98,45 @@ impl PlacedShape {
             point: DVec3::ZERO,
             normal: DVec3::ZERO,
             distance: f64::INFINITY,
+        })
+    }
+}
+
+/// When and where a moving shape first touches another one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovingShapeImpact {
+    /// When, as a share of the motion. They do not touch before `time.earliest`.
+    pub time: TimeOfImpact,
+    /// Where, on the other shape, in world space.
+    pub point: DVec3,
+    /// The unit vector from the other shape to the moving one; zero if they touch at the start and there is no such direction.
+    pub normal: DVec3,
+    /// The velocity of the moving shape at the point, in world units per motion.
+    pub velocity: DVec3,
+}
+
+impl MovingShape {
+    /// Returns when the shape first touches another one, which rests. `None` if it does not.
+    ///
+    /// As accurate as [`ShapeQuery::cast_moving`](crate::ShapeQuery::cast_moving).
+    #[must_use]
+    pub fn cast(&self, other: &PlacedShape, tolerance: f64) -> Option<MovingShapeImpact> {
+        let mut first: Option<Touch> = None;
+        for target in other.solids() {
+            let latest = first.as_ref().map_or(1.0, |first| first.time.latest);
+            let touch = first_touch(self, target, tolerance, latest, &mut 0);
+            if touch
+                .as_ref()
+                .is_some_and(|touch| first.as_ref().is_none_or(|first| touch.time.latest < first.time.latest))
+            {
+                first = touch;
+            }
+        }
+        first.map(|Touch { time, point, normal }| MovingShapeImpact {
+            time,
+            point,
+            normal,
+            velocity: self.velocity(point, time.latest),
         })
     }
 }
@@ -262,6 +304,41 @@ mod tests {
             }
         }
         assert!(hits > 300 && misses > 50, "{hits} {misses}");
+    }
+
+    #[test]
+    fn turning_shapes_touch_others_when_sampled_ones_do() {
+        let (mut hits, mut misses) = (0, 0);
+        for (i, at) in [[2.5, 0.2, 0.1], [-1.5, -2.0, 0.7], [0.3, 2.4, -1.0]]
+            .into_iter()
+            .enumerate()
+        {
+            for a in shapes(at, 0.4) {
+                let pivot = DVec3::new(0.4, -0.2, 0.1) * i as f64;
+                let Ok(moving) = MovingShape::new(a, DVec3::from_array(at.map(f64::from)) * -0.8) else {
+                    continue;
+                };
+                let moving = moving.turning(pivot, DVec3::new(0.2, -0.4, 0.9)).unwrap();
+                for b in shapes([0.0; 3], 1.1) {
+                    let hit = moving.cast(&b, 1e-6);
+                    let until = hit.map_or(1.0, |hit| hit.time.earliest);
+                    let meets = |share: u32| moving.at(until * f64::from(share) / 200.0).meets(&b);
+                    assert!(until == 0.0 || !(0..200).any(meets), "{moving:?} {b:?} {hit:?}");
+                    let Some(hit) = hit else {
+                        misses += 1;
+                        continue;
+                    };
+                    hits += 1;
+                    let gap = moving.at(hit.time.latest).gap(&b).distance;
+                    assert!(gap < 1e-6, "{moving:?} {b:?} {hit:?} {gap}");
+                    if hit.time.latest > 0.0 {
+                        assert!(b.signed_distance(hit.point).abs() < 1e-5, "{hit:?}");
+                        assert!(hit.normal.dot(hit.velocity) < 1e-6, "{hit:?}");
+                    }
+                }
+            }
+        }
+        assert!(hits > 50 && misses > 50, "{hits} {misses}");
     }
 
     #[test]

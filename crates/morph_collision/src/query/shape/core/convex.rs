@@ -5,7 +5,6 @@
 use glam::{DMat3, DVec3};
 
 use super::super::closest::Closest;
-use super::Core;
 use super::deepest::{Deepest, deepest};
 use super::separation::separation;
 use crate::exact::{Triangle, edges, largest, unit_normal};
@@ -81,10 +80,14 @@ pub(super) fn closest_of_triangle(core: &impl Convex, core_reach: f64, triangle:
     }
 }
 
-/// The point of another core with the smallest signed distance from a core.
-pub(super) fn closest_of_core(core: &Core, other: &Core) -> Closest {
-    let (center, radius) = other.around();
-    let toward = center - core.around().0;
+/// The point of another core with the smallest signed distance from a core. They come with balls around them, and the largest coordinate.
+pub(super) fn closest_of_convex(
+    core: &impl Convex,
+    other: &impl Convex,
+    [(core_center, _), (center, radius)]: [(DVec3, f64); 2],
+    reach: f64,
+) -> Closest {
+    let toward = center - core_center;
     let apart = separation(
         |direction| core.support_point(direction),
         |direction| other.support_point(direction),
@@ -100,7 +103,7 @@ pub(super) fn closest_of_core(core: &Core, other: &Core) -> Closest {
     let start = Deepest {
         center,
         axes: DMat3::from_diagonal(DVec3::splat(radius)),
-        tolerance: (CORE_DEPTH_ERROR * radius).max(ROUNDING * (core.reach() + other.reach())),
+        tolerance: (CORE_DEPTH_ERROR * radius).max(ROUNDING * reach),
     };
     let beyond_other = |point: DVec3| other.depth(point);
     let found = deepest(&start, beyond_other, |point| core.depth(point));
@@ -108,9 +111,8 @@ pub(super) fn closest_of_core(core: &Core, other: &Core) -> Closest {
         (found.point, found.normal, found.distance)
     } else {
         // By rounding, no point was inside.
-        let point = other.center();
-        let (depth, normal) = core.depth(point);
-        (point, normal, depth)
+        let (depth, normal) = core.depth(center);
+        (center, normal, depth)
     };
     Closest {
         point,

@@ -67,7 +67,10 @@ impl Core {
             (_, Self::Segment([p, q])) => self.closest(&[*p, *q, *q]),
             (Self::Segment(_), _) => other.closest_of_core(self).seen_from_the_other(),
             (Self::Cuboid(_), Self::Cuboid(cuboid)) => self.closest_of_cuboid(cuboid),
-            _ => convex::closest_of_core(self, other),
+            _ => {
+                let around = [self.around(), other.around()];
+                convex::closest_of_convex(self, other, around, self.reach() + other.reach())
+            }
         }
     }
 

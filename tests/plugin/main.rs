@@ -36,6 +36,7 @@ mod readiness;
 mod real_models;
 mod refits;
 mod reflection;
+mod rollback;
 mod scenes;
 mod self_collisions;
 mod shapes;

@@ -182,7 +182,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugins, physics_api > misuse > bounds, surface, hooks > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
+//! plugins, physics_api > misuse, rollback > bounds, surface, hooks > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
 //!     > state > import, contacts > components, app
 //! ```
 #![forbid(unsafe_code)]
@@ -205,6 +205,7 @@ mod narrow_phase;
 pub mod physics_api;
 pub mod plugins;
 mod posing;
+pub mod rollback;
 pub mod self_collisions;
 pub mod setup;
 pub mod spatial;
@@ -235,6 +236,7 @@ pub mod prelude {
     pub use crate::hooks::{MorphCandidatePair, MorphCollisionHooks};
     pub use crate::import::{MorphTreeFilesPlugin, MorphTreeFrom, MorphTrees};
     pub use crate::plugins::{MorphCollisionHooksPlugin, MorphCollisionPlugin, MorphPlugins};
+    pub use crate::rollback::MorphCollisionState;
     pub use crate::self_collisions::{
         MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,
     };

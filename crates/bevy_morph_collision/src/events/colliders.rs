@@ -171,12 +171,19 @@ fn both_ways(contact: &MorphContact) -> [[Entity; 4]; 2] {
     ]
 }
 
+/// A list, and whether its entity is a body.
+type Lists = (
+    Entity,
+    &'static mut MorphCollidingEntities,
+    Option<Ref<'static, MorphColliders>>,
+);
+
 /// Updates [`MorphCollidingEntities`] if anything was compared, if the component is new, or if an entity became a body or stopped
 /// being one.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
     runs: Res<Runs>,
-    mut lists: Query<(Entity, &mut MorphCollidingEntities, Option<Ref<MorphColliders>>), Allow<Disabled>>,
+    mut lists: Query<Lists, Allow<Disabled>>,
     mut no_bodies: RemovedComponents<MorphColliders>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -188,6 +195,12 @@ pub(crate) fn list_colliding_entities(
         return;
     }
     let start = Instant::now();
+    update_lists(collisions, lists);
+    diagnostics.duration += start.elapsed();
+}
+
+/// Updates all [`MorphCollidingEntities`].
+pub(crate) fn update_lists(collisions: Res<MorphCollisions>, mut lists: Query<Lists, Allow<Disabled>>) {
     let empty = |(entity, _, colliders): (Entity, _, Option<_>)| (entity, (colliders.is_some(), Vec::new()));
     let mut touching: EntityHashMap<(bool, Vec<Entity>)> = lists.iter().map(empty).collect();
     for contact in collisions.iter() {
@@ -208,5 +221,4 @@ pub(crate) fn list_colliding_entities(
             list.0 = now;
         }
     }
-    diagnostics.duration += start.elapsed();
 }

@@ -29,6 +29,7 @@ mod log;
 
 mod mistakes;
 mod models;
+mod netcode;
 mod noticed;
 mod pairs;
 mod picking;

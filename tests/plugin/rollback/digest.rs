@@ -115,7 +115,7 @@ fn ask(spatial: MorphSpatialQuery, banks: Res<Banks>) -> Digest {
     for direction in [Dir3::X, Dir3::Y, Dir3::NEG_Z] {
         let origin = Vec3::new(0.1, 0.2, -0.1) - 10.0 * *direction;
         for hit in spatial.ray_hits(origin, direction, 20.0, &MorphQueryFilter::default()) {
-            digest.entities(&banks, [hit.entity]);
+            digest.entities(&banks, std::iter::once(hit.entity).chain(hit.joint));
             digest.add(hit.triangle.into());
             digest.floats([hit.distance]);
             digest.floats(hit.normal.to_array());

@@ -63,7 +63,12 @@ copies! {
     events: MorphCollisionEventsEnabled,
     selves: MorphSelfCollisions,
     disabled: Disabled,
+    hidden: Hidden,
 }
+
+/// Hides an entity from queries, as rollback libraries do with entities that may come back.
+#[derive(Component, Clone, Copy, Default)]
+pub(super) struct Hidden;
 
 /// Everything that the game registered, after a frame.
 pub(super) struct Snapshot {

@@ -118,10 +118,10 @@ fn frames_that_are_simulated_again_report_the_same_bits() {
         "{covered:?}"
     );
     assert!(
-        covered.held > 50 * seeds as u64 && covered.swept > 50 * seeds as u64,
+        covered.held > 50 * seeds as u64 && covered.swept > 10 * seeds as u64,
         "{covered:?}"
     );
     assert!(covered.refused > 5 * seeds as u64, "{covered:?}");
-    assert!(all.starts > 100 * seeds && all.impacts > 10 * seeds, "{all:?}");
-    assert!(all.self_starts > 10 * seeds && all.self_ends > 10 * seeds, "{all:?}");
+    assert!(all.starts > 100 * seeds && all.impacts > 4 * seeds, "{all:?}");
+    assert!(all.self_starts > 4 * seeds && all.self_ends > 4 * seeds, "{all:?}");
 }

@@ -7,19 +7,32 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use rand::RngExt;
 
+use super::library::Hidden;
 use super::rules::Rule;
 use super::stage::{BODIES, COLLIDERS, Stage, joints_of};
 use crate::support::Edits;
 
 /// One to three operations.
 pub(super) fn operate(stage: &mut Stage) {
-    // A pause is short.
+    // A pause is short, and nothing is hidden for long.
     if stage.app.settings().paused && stage.rng.random_bool(0.5) {
         stage.app.settings().paused = false;
     }
+    let row = stage.rng.random_range(0..COLLIDERS);
+    if let Some(entity) = stage.alive(row) {
+        let is_hidden = [
+            stage.app.world().get::<Disabled>(entity).is_some(),
+            stage.app.world().get::<Hidden>(entity).is_some(),
+        ];
+        match is_hidden {
+            [true, _] => hide::<Disabled>(stage, entity),
+            [_, true] => hide::<Hidden>(stage, entity),
+            _ => {}
+        }
+    }
     for _ in 0..stage.rng.random_range(1..=3) {
         let row = stage.rng.random_range(0..COLLIDERS);
-        match (stage.alive(row), stage.rng.random_range(0..38)) {
+        match (stage.alive(row), stage.rng.random_range(0..44)) {
             (None, _) | (_, 0) => spawn(stage, row),
             (Some(entity), operation) => change(stage, row, entity, operation),
         }
@@ -40,7 +53,7 @@ fn collider(stage: &mut Stage) -> MorphCollider {
     use MorphCollisionMode::{All, Contacts, First, Passive};
     let mode = one_of(stage, &[Passive, First, First, All, Contacts]);
     let (margin, tolerance) = (one_of(stage, &[0.0, 0.0, 0.1]), one_of(stage, &[0.0, 0.0, 0.25]));
-    let continuous = stage.rng.random_bool(0.4);
+    let continuous = stage.rng.random_bool(0.6);
     let collider = MorphCollider::new(mode).with_margin(margin).with_tolerance(tolerance);
     collider.with_continuous(continuous)
 }
@@ -68,7 +81,7 @@ fn weights(stage: &mut Stage, count: usize) -> MeshMorphWeights {
 /// A collider of any kind.
 fn spawn(stage: &mut Stage, row: usize) {
     let (place, collider) = (place(stage), collider(stage));
-    let kind = stage.rng.random_range(0..stage.meshes.len());
+    let kind = one_of(stage, &[0, 1, 2, 2, 3, 3, 4, 4, 4]);
     let (mesh, targets) = stage.meshes[kind].clone();
     let entity = stage.spawn(row, (place, Mesh3d(mesh), collider));
     if targets > 0 {
@@ -79,7 +92,7 @@ fn spawn(stage: &mut Stage, row: usize) {
         let skin = stage.skin(row);
         stage.app.insert(entity, skin);
     }
-    if stage.rng.random_bool(0.2) {
+    if stage.rng.random_bool(0.15) {
         let shape = shape(stage);
         stage.app.insert(entity, shape);
     }
@@ -125,12 +138,13 @@ fn change(stage: &mut Stage, row: usize, entity: Entity, operation: u32) {
         25 => {
             let shape = shape(stage);
             match stage.app.world().get::<MorphShape>(entity) {
-                Some(_) => stage.app.remove::<MorphShape>(entity),
-                None => stage.app.insert(entity, shape),
+                Some(_) if stage.rng.random_bool(0.3) => stage.app.remove::<MorphShape>(entity),
+                _ => stage.app.insert(entity, shape),
             }
         }
-        26 => toggle::<MorphColliderDisabled>(stage, entity),
-        27 => toggle::<Disabled>(stage, entity),
+        26 => hide::<MorphColliderDisabled>(stage, entity),
+        27 => hide::<Disabled>(stage, entity),
+        34 => hide::<Hidden>(stage, entity),
         28 => toggle::<MorphSelfCollisions>(stage, entity),
         29 => toggle::<MorphActiveCollisionHooks>(stage, entity),
         30 => {
@@ -141,7 +155,7 @@ fn change(stage: &mut Stage, row: usize, entity: Entity, operation: u32) {
             let limit = one_of(stage, &[5, 8192]);
             stage.app.settings().max_triangle_pairs = limit;
         }
-        32 => stage.app.settings().paused = stage.rng.random_bool(0.5),
+        32 => stage.app.settings().paused = stage.rng.random_bool(0.3),
         33 => {
             let kind = stage.rng.random_range(0..4);
             let mesh = stage.meshes[kind].0.clone();
@@ -149,9 +163,22 @@ fn change(stage: &mut Stage, row: usize, entity: Entity, operation: u32) {
             stage.app.insert(entity, Mesh3d(mesh));
             reweigh(stage, entity);
         }
+        35 => stage.app.insert(entity, MorphSelfCollisions::default().with_rest(true)),
         _ => {
             let joint = stage.rng.random_range(0..2);
             bend(stage, joints_of(row)[joint]);
+        }
+    }
+}
+
+/// Takes an entity out, or brings it back. Most of the time it is there.
+fn hide<C: Component + Default>(stage: &mut Stage, entity: Entity) {
+    let is_hidden = stage.app.world().get::<C>(entity).is_some();
+    if is_hidden || stage.rng.random_bool(0.4) {
+        toggle::<C>(stage, entity);
+        // Bevy does not notice where a disabled entity was moved to.
+        if let Some(mut place) = stage.app.world_mut().get_mut::<Transform>(entity) {
+            place.set_changed();
         }
     }
 }
@@ -185,9 +212,9 @@ fn reweigh(stage: &mut Stage, entity: Entity) {
 /// Moves a joint, makes its place invalid, or despawns it.
 fn bend(stage: &mut Stage, row: usize) {
     let Some(joint) = stage.alive(row) else { return };
-    match stage.rng.random_range(0..12) {
+    match stage.rng.random_range(0..8) {
         0 => stage.despawn(row),
-        1 => stage.app.insert(joint, Transform::from_translation(Vec3::NAN)),
+        1 | 2 => stage.app.insert(joint, Transform::from_translation(Vec3::NAN)),
         _ => {
             let place = place(stage);
             stage.app.insert(joint, place);

@@ -8,16 +8,17 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use morph_collision_models::generated::random::{random_blob, triangle_soup};
 use morph_collision_models::mesh::MorphMesh;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::banks::{Banks, Born};
 use super::digest::{Counts, Digest, Reader, state};
+use super::library::Hidden;
 use super::operations::operate;
 use super::rules::{Rule, Rules};
 use crate::log::start;
 use crate::skins::boned;
-use crate::support::{Edits, add_mesh, assets, cube, settle, stretching_cube};
+use crate::support::{Edits, add_mesh, assets, cube, diagnostics, settle, stretching_cube};
 
 /// The rows of colliders. Two rows of joints for each of them follow, then those of bodies.
 pub(super) const COLLIDERS: usize = 8;
@@ -48,6 +49,9 @@ pub(super) struct Stage {
 pub(super) struct Report {
     pub(super) state: Digest,
     pub(super) messages: Digest,
+    /// Counts of the run: of pairs that touch, of their triangles, of boxes that overlap, of colliders that are held, and of swept pairs. There are
+    /// none during a pause.
+    counts: Option<[u64; 5]>,
 }
 
 impl Stage {
@@ -55,6 +59,7 @@ impl Stage {
         let mut app = morph_collision_workspace::app::headless(&assets());
         app.add_plugins(MorphCollisionHooksPlugin::<Rules>::default())
             .init_resource::<Rule>();
+        app.world_mut().register_disabling_component::<Hidden>();
         start(&mut app);
         let shapes: Vec<MorphMesh> = vec![
             cube(),
@@ -109,7 +114,7 @@ impl Stage {
         }
         settle(&mut stage.app);
         // As after a frame.
-        stage.report();
+        stage.report(true);
         stage.frame = 1;
         stage
     }
@@ -154,16 +159,30 @@ impl Stage {
         operate(self);
         let step = Duration::from_millis(10 + number % 7);
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+        let has_run = !self.app.settings().paused;
         self.app.update();
+        // Systems of the game may also come after the run.
+        if self.rng.random_bool(0.4) {
+            operate(self);
+        }
         self.frame += 1;
-        self.report()
+        self.report(has_run)
     }
 
-    fn report(&mut self) -> Report {
+    fn report(&mut self, has_run: bool) -> Report {
         let messages = self.reader.read(self.app.world(), &mut self.counts);
+        let run = diagnostics(&self.app);
+        let counts = [
+            run.touching_pairs,
+            run.triangle_pairs,
+            run.overlapping_pairs,
+            run.held_colliders,
+            run.swept_pairs,
+        ];
         Report {
             state: state(self.app.world_mut()),
             messages,
+            counts: has_run.then_some(counts),
         }
     }
 }

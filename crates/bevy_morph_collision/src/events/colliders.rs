@@ -2,7 +2,7 @@
 
 use bevy::platform::time::Instant;
 
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
@@ -78,6 +78,13 @@ impl MorphCollidingEntities {
     #[must_use]
     pub fn contains(&self, entity: Entity) -> bool {
         self.0.binary_search(&entity).is_ok()
+    }
+}
+
+impl MapEntities for MorphCollidingEntities {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.0.map_entities(mapper);
+        self.0.sort_unstable();
     }
 }
 
@@ -171,19 +178,12 @@ fn both_ways(contact: &MorphContact) -> [[Entity; 4]; 2] {
     ]
 }
 
-/// A list, and whether its entity is a body.
-type Lists = (
-    Entity,
-    &'static mut MorphCollidingEntities,
-    Option<Ref<'static, MorphColliders>>,
-);
-
 /// Updates [`MorphCollidingEntities`] if anything was compared, if the component is new, or if an entity became a body or stopped
 /// being one.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
     runs: Res<Runs>,
-    mut lists: Query<Lists, Allow<Disabled>>,
+    mut lists: Query<(Entity, &mut MorphCollidingEntities, Option<Ref<MorphColliders>>), Allow<Disabled>>,
     mut no_bodies: RemovedComponents<MorphColliders>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -195,12 +195,6 @@ pub(crate) fn list_colliding_entities(
         return;
     }
     let start = Instant::now();
-    update_lists(collisions, lists);
-    diagnostics.duration += start.elapsed();
-}
-
-/// Updates all [`MorphCollidingEntities`].
-pub(crate) fn update_lists(collisions: Res<MorphCollisions>, mut lists: Query<Lists, Allow<Disabled>>) {
     let empty = |(entity, _, colliders): (Entity, _, Option<_>)| (entity, (colliders.is_some(), Vec::new()));
     let mut touching: EntityHashMap<(bool, Vec<Entity>)> = lists.iter().map(empty).collect();
     for contact in collisions.iter() {
@@ -221,4 +215,5 @@ pub(crate) fn update_lists(collisions: Res<MorphCollisions>, mut lists: Query<Li
             list.0 = now;
         }
     }
+    diagnostics.duration += start.elapsed();
 }

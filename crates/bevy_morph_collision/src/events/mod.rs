@@ -8,25 +8,21 @@ mod colliders;
 mod frames;
 
 use bevy::prelude::*;
-use tracing::error;
 
 use crate::app::forget_messages;
 
 pub(crate) use bodies::report_body_changes;
 pub use bodies::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
 pub use colliders::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart};
-pub(crate) use colliders::{list_colliding_entities, report_changes, update_lists};
+pub(crate) use colliders::{list_colliding_entities, report_changes};
 pub(crate) use frames::{begin_empty_run, show_fixed_runs_to_frames};
 
-/// Goes back to an earlier run: forgets messages that nobody has read, which are of later ones, and lists what touched then.
-pub(crate) fn restore(world: &mut World) {
+/// Forgets messages that nobody has read.
+pub(crate) fn forget_unread(world: &mut World) {
     forget_messages::<MorphCollisionStart>(world);
     forget_messages::<MorphCollisionEnd>(world);
     forget_messages::<MorphBodyCollisionStart>(world);
     forget_messages::<MorphBodyCollisionEnd>(world);
-    if let Err(error) = world.run_system_cached(update_lists) {
-        error!("lists of colliding entities are not updated: {error}");
-    }
 }
 
 /// Adds the messages, and registers the types for reflection.

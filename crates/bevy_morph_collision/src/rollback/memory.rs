@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::broad_phase::{Candidates, CandidatesMemory, HookAnswers, HookedPairs};
 use crate::contacts::MorphCollisions;
-use crate::events;
+use crate::events::{self, MorphCollidingEntities};
 use crate::narrow_phase::{FoundContacts, PairHistory};
 use crate::posing::{SkeletonMemory, Skeletons};
 use crate::self_collisions::{self, MorphSelfCollisions, SelfMemory, SelfState};
@@ -25,6 +25,7 @@ pub(super) struct Memory {
     /// Sorted by entity.
     colliders: Vec<(Entity, ColliderMemory)>,
     selves: Vec<(Entity, SelfMemory)>,
+    lists: Vec<(Entity, MorphCollidingEntities)>,
 }
 
 impl Memory {
@@ -39,6 +40,8 @@ impl Memory {
             );
             Some((entity, state.memory(list)))
         });
+        let lists = with::<MorphCollidingEntities>(world).into_iter();
+        let lists = lists.filter_map(|entity| Some((entity, world.get::<MorphCollidingEntities>(entity)?.clone())));
         Some(Self {
             runs: *world.get_resource()?,
             times: *world.get_resource()?,
@@ -49,6 +52,7 @@ impl Memory {
             skeletons: world.get_resource::<Skeletons>()?.memory(),
             colliders: colliders.collect(),
             selves: selves.collect(),
+            lists: lists.collect(),
         })
     }
 
@@ -67,6 +71,11 @@ impl Memory {
                 state.restore(memory, &mut list);
             }
         }
+        for (entity, memory) in &self.lists {
+            if let Some(mut list) = world.get_mut::<MorphCollidingEntities>(*entity) {
+                list.clone_from(memory);
+            }
+        }
         world.resource_mut::<Runs>().restore(self.runs);
         *world.resource_mut() = self.times;
         world.resource_mut::<MorphCollisions>().restore(self.collisions.clone());
@@ -75,7 +84,7 @@ impl Memory {
         world.resource_mut::<FoundContacts>().restore(self.history.clone());
         world.resource_mut::<Skeletons>().restore(&self.skeletons);
         world.resource_mut::<ColliderNews>().restore();
-        events::restore(world);
+        events::forget_unread(world);
         self_collisions::forget_unread(world);
     }
 }
@@ -94,6 +103,10 @@ impl MapEntities for Memory {
         self.selves
             .iter_mut()
             .for_each(|(entity, _)| entity.map_entities(mapper));
+        for (entity, list) in &mut self.lists {
+            entity.map_entities(mapper);
+            list.map_entities(mapper);
+        }
         self.colliders.sort_unstable_by_key(|(entity, _)| *entity);
         self.selves.sort_unstable_by_key(|(entity, _)| *entity);
     }

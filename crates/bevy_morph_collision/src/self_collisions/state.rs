@@ -58,6 +58,8 @@ impl AnsweredFor {
 pub(crate) struct SelfMemory {
     regions: Vec<MorphSelfContact>,
     is_truncated: bool,
+    /// These may be others, if the game has replaced the list.
+    listed: Vec<u32>,
     answered_for: Option<AnsweredFor>,
     next_region: u32,
     points: Vec<Vec3>,
@@ -69,6 +71,7 @@ impl SelfState {
         SelfMemory {
             regions: list.regions.clone(),
             is_truncated: list.is_truncated,
+            listed: self.listed.clone(),
             answered_for: self.answered_for.clone(),
             next_region: self.next_region,
             points: self.points.clone(),
@@ -84,7 +87,7 @@ impl SelfState {
         if let Some(memory) = memory {
             list.regions.clone_from(&memory.regions);
             list.is_truncated = memory.is_truncated;
-            self.listed = memory.regions.iter().map(|region| region.region).collect();
+            self.listed.clone_from(&memory.listed);
             self.answered_for.clone_from(&memory.answered_for);
             self.next_region = memory.next_region;
             self.points.clone_from(&memory.points);

@@ -14,6 +14,12 @@ pub(super) struct Changes {
     pub(super) started: Vec<u32>,
 }
 
+impl Changes {
+    pub(super) fn is_empty(&self) -> bool {
+        self.ended.is_empty() && self.started.is_empty()
+    }
+}
+
 /// Replaces regions by those of the pairs that intersect now. A region goes on as a new one with which it has a triangle in common.
 /// Older regions choose first, and each takes the largest new one that is left. `middle` computes the
 /// point of a region, and `next` is the first number that was never used.

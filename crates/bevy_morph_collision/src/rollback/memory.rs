@@ -1,5 +1,6 @@
 //! Everything that later runs depend on.
 
+use bevy::ecs::archetype::ArchetypeEntity;
 use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
@@ -122,7 +123,7 @@ fn with<C: Component>(world: &World) -> Vec<Entity> {
         .iter()
         .filter(|archetype| archetype.contains(component));
     let mut entities: Vec<Entity> = archetypes
-        .flat_map(|archetype| archetype.entities().iter().map(|entity| entity.id()))
+        .flat_map(|archetype| archetype.entities().iter().map(ArchetypeEntity::id))
         .collect();
     entities.sort_unstable();
     entities

@@ -102,7 +102,7 @@ fn bump(collisions: Res<MorphCollisions>, mut players: Query<(&mut Transform, &m
         ] {
             if let Ok((mut place, mut player)) = players.get_mut(entity) {
                 player.hits += 1;
-                place.translation.x += 0.6 * way.x;
+                place.translation.x += 0.15 * way.x;
             }
         }
     }

@@ -151,7 +151,7 @@ cookbook NAME:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --example dolphins --example crowd --example physics --example character --example slap --example dust
+    cargo build --workspace --example dolphins --example crowd --example physics --example character --example slap --example dust --example netcode
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --headless --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
@@ -170,6 +170,9 @@ demo-check:
     dust=$("${CARGO_TARGET_DIR:-target}/debug/examples/dust" --headless --frames 60 --json)
     echo "$dust"
     grep -Eq '"most_on_skin": *[1-9]' <<< "$dust"
+    netcode=$("${CARGO_TARGET_DIR:-target}/debug/examples/netcode" --json)
+    echo "$netcode"
+    grep -Eq '"is_in_sync": *true' <<< "$netcode"
 
 # Regenerates the pictures of README and docs, with or without a GPU or display.
 pictures:

@@ -29,6 +29,7 @@ mod log;
 
 mod mistakes;
 mod models;
+mod netcode;
 mod noticed;
 mod pairs;
 mod picking;
@@ -36,6 +37,7 @@ mod readiness;
 mod real_models;
 mod refits;
 mod reflection;
+mod rollback;
 mod scenes;
 mod self_collisions;
 mod shapes;

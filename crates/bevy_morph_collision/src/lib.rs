@@ -132,6 +132,28 @@
 //! [`MorphCollisionDiagnostics`](state::MorphCollisionDiagnostics) counts the work of each run; `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`) publishes
 //! the counts in Bevy's `DiagnosticsStore`.
 //!
+//! ## Go back to an earlier frame
+//!
+//! For rollback netcode, [`MorphCollisionState`](rollback::MorphCollisionState) is what runs remember of earlier runs. Register it with a library such as `bevy_ggrs`
+//! or `lightyear`, and frames that are simulated again report the same bits. `docs/netcode.md` in the repository has the details.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_morph_collision::prelude::*;
+//! fn go_back(world: &mut World) {
+//!     MorphCollisionState::save(world);
+//!     let saved = world.resource::<MorphCollisionState>().clone();
+//!     // Some frames later, after the game has put its own components back:
+//!     world.insert_resource(saved);
+//!     MorphCollisionState::restore(world);
+//! }
+//! # let mut app = App::new();
+//! # app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphPlugins));
+//! # app.add_systems(Last, go_back);
+//! # app.finish();
+//! # app.update();
+//! ```
+//!
 //! ## Find out why nothing happens
 //!
 //! Read the log first. Data that cannot be used is logged once, as an error with the mesh's file and the entity's name; only that entity
@@ -182,7 +204,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugins, physics_api > misuse > bounds, surface, hooks > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
+//! plugins, physics_api > misuse, rollback > bounds, surface, hooks > setup, posing, narrow_phase, self_collisions, spatial, events > broad_phase, debug
 //!     > state > import, contacts > components, app
 //! ```
 #![forbid(unsafe_code)]
@@ -205,6 +227,7 @@ mod narrow_phase;
 pub mod physics_api;
 pub mod plugins;
 mod posing;
+pub mod rollback;
 pub mod self_collisions;
 pub mod setup;
 pub mod spatial;
@@ -235,6 +258,7 @@ pub mod prelude {
     pub use crate::hooks::{MorphCandidatePair, MorphCollisionHooks};
     pub use crate::import::{MorphTreeFilesPlugin, MorphTreeFrom, MorphTrees};
     pub use crate::plugins::{MorphCollisionHooksPlugin, MorphCollisionPlugin, MorphPlugins};
+    pub use crate::rollback::MorphCollisionState;
     pub use crate::self_collisions::{
         MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact,
     };

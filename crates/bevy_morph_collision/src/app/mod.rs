@@ -1,9 +1,10 @@
 //! The app around the plugin.
 //!
 //! - `systems`: the system sets. `state_of`: gives the plugin's state to entities. `schedules`: which schedules are fixed.
-//! - `workers`: Bevy's threads. `ticks`: whether columns of components changed.
+//! - `messages`: those that nobody has read. `workers`: Bevy's threads. `ticks`: whether columns of components changed.
 //! - `missing`, `suspects`: what is logged about missing plugins and likely mistakes. `names`: what messages call entities and assets.
 
+mod messages;
 mod missing;
 mod names;
 mod schedules;
@@ -13,6 +14,7 @@ mod systems;
 mod ticks;
 mod workers;
 
+pub(crate) use messages::forget_messages;
 pub(crate) use missing::InGroup;
 #[cfg(any(feature = "picking", feature = "gizmos"))]
 pub(crate) use missing::missing;

@@ -1,5 +1,6 @@
 //! Places colliders in the world and finds pairs that are close enough to compare.
 
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::Aabb;
@@ -11,6 +12,7 @@ use super::swept_pairs::SweptPairs;
 use super::teleports::Teleports;
 use super::visits::{Visited, Visits};
 use crate::app::Names;
+use crate::contacts::map_pairs;
 use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics, Moved, Placement, Runs, Skip};
 
 /// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
@@ -31,6 +33,25 @@ pub(crate) struct Candidates {
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
     tally: Tally,
+}
+
+/// What later runs depend on of [`Candidates`].
+#[derive(Clone, Default)]
+pub(crate) struct CandidatesMemory {
+    pairs: Vec<(Entity, Entity)>,
+    colliders: Vec<(Entity, Placement)>,
+    counts: Counts,
+}
+
+impl MapEntities for CandidatesMemory {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        map_pairs(&mut self.pairs, mapper);
+        for (entity, placed) in &mut self.colliders {
+            entity.map_entities(mapper);
+            placed.map_entities(mapper);
+        }
+        self.colliders.sort_unstable_by_key(|(entity, _)| *entity);
+    }
 }
 
 /// How many colliders there are.
@@ -88,7 +109,10 @@ pub(crate) fn find_candidates(
     let candidates = &mut *candidates;
     let (mut changed, mut any_moved) = (false, false);
     let mut reposed = std::mem::take(&mut news.reposed);
-    let visited = visits.find(&reposed);
+    let mut visited = visits.find(&reposed);
+    if std::mem::take(&mut news.is_restored) {
+        visited = Visited::All { are_same: false };
+    }
     runs.begin(!matches!(visited, Visited::All { are_same: false }));
     let mut visit = |participant: &mut ParticipantItem| {
         let visit = participant.visit(&runs, &names, &mut diagnostics);
@@ -159,6 +183,26 @@ pub(crate) fn find_candidates(
 }
 
 impl Candidates {
+    pub(crate) fn memory(&self) -> CandidatesMemory {
+        CandidatesMemory {
+            pairs: self.pairs.clone(),
+            colliders: self.colliders.clone(),
+            counts: self.counts,
+        }
+    }
+
+    /// Goes back to an earlier run.
+    pub(crate) fn restore(&mut self, memory: CandidatesMemory) {
+        self.pairs = memory.pairs;
+        self.swept.clear();
+        self.colliders = memory.colliders;
+        // If the query has another order, they are sorted.
+        self.indices.clear();
+        let entities = self.colliders.iter().map(|(entity, _)| *entity);
+        self.indices.extend(entities.zip(0..));
+        self.counts = memory.counts;
+    }
+
     /// The colliders that took part in the last run, ascending, in the state that collisions see.
     pub(crate) fn colliders(&self) -> &[(Entity, Placement)] {
         &self.colliders

@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 use std::mem::take;
 use std::time::Duration;
 
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use super::candidates::Candidates;
+use crate::contacts::map_pair;
 
 /// Two colliders of different bodies that may touch, with `collider1 < collider2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,22 +37,41 @@ pub(crate) struct HookAnswer {
 /// A pair keeps its answer if neither collider changed. Hooks depend on other things, so their pairs are noted here.
 #[derive(Resource, Default)]
 pub(crate) struct HookedPairs {
-    now: Answers,
+    now: HookAnswers,
     /// In the last run.
-    before: Answers,
+    before: HookAnswers,
     /// The time that hooks took so far in this run.
     pub(crate) duration: Duration,
 }
 
-#[derive(Default)]
-struct Answers {
+/// What hooks said in a run.
+#[derive(Clone, Default)]
+pub(crate) struct HookAnswers {
     refused: BTreeSet<(Entity, Entity)>,
     modified: BTreeSet<(Entity, Entity)>,
     /// The number of refused pairs whose boxes overlap.
     overlapping: u64,
 }
 
+impl MapEntities for HookAnswers {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for set in [&mut self.refused, &mut self.modified] {
+            *set = take(set).into_iter().map(|pair| map_pair(pair, mapper)).collect();
+        }
+    }
+}
+
 impl HookedPairs {
+    /// What hooks said in the last run, which the next one depends on.
+    pub(crate) fn memory(&self) -> HookAnswers {
+        self.before.clone()
+    }
+
+    /// Goes back to an earlier run.
+    pub(crate) fn restore(&mut self, before: HookAnswers) {
+        *self = Self { before, ..default() };
+    }
+
     /// Ends a run. In the next one, no hook has been asked yet.
     pub(crate) fn end_run(&mut self) {
         self.before = take(&mut self.now);

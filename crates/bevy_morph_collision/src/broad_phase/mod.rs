@@ -14,9 +14,9 @@ mod visits;
 
 use bevy::prelude::*;
 
-pub(crate) use candidates::{Candidates, find_candidates};
+pub(crate) use candidates::{Candidates, CandidatesMemory, find_candidates};
 pub use hooked_pairs::MorphCandidatePair;
-pub(crate) use hooked_pairs::{HookAnswer, HookedPairs};
+pub(crate) use hooked_pairs::{HookAnswer, HookAnswers, HookedPairs};
 pub(crate) use swept_pairs::SweptPairs;
 
 /// Adds the candidates, and what hooks say about them.

@@ -8,15 +8,15 @@ use super::contact::MorphContact;
 pub(crate) type Pair = (Entity, Entity);
 
 /// The contacts of the last run in which pairs were compared and of the one before, grouped by bodies.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct BodyPairs {
     /// The two bodies and the two colliders of each contact, ascending.
-    now: Vec<(Pair, Pair)>,
-    before: Vec<(Pair, Pair)>,
+    pub(super) now: Vec<(Pair, Pair)>,
+    pub(super) before: Vec<(Pair, Pair)>,
     /// The same of contacts that began and ended in the last run.
-    passed: Vec<(Pair, Pair)>,
+    pub(super) passed: Vec<(Pair, Pair)>,
     /// All of `now` and `passed`, if anything passed.
-    touched: Vec<(Pair, Pair)>,
+    pub(super) touched: Vec<(Pair, Pair)>,
     /// The two bodies of each pair in descending order, ascending.
     descending: Vec<Pair>,
 }
@@ -30,10 +30,7 @@ impl BodyPairs {
         self.now.extend(contacts.map(entry));
         // Already sorted if every collider is a body of its own.
         self.now.sort_unstable();
-        self.descending.clear();
-        let pairs = self.now.chunk_by(|a, b| a.0 == b.0).map(|contacts| contacts[0].0);
-        self.descending.extend(pairs.map(|(a, b)| (b, a)));
-        self.descending.sort_unstable();
+        self.find_descending();
         self.passed.clear();
         self.passed.extend(passed.iter().map(entry));
         self.passed.sort_unstable();
@@ -43,6 +40,14 @@ impl BodyPairs {
             self.touched.extend_from_slice(&self.passed);
             self.touched.sort_unstable();
         }
+    }
+
+    /// Updates the pairs in descending order.
+    pub(super) fn find_descending(&mut self) {
+        self.descending.clear();
+        let pairs = self.now.chunk_by(|a, b| a.0 == b.0).map(|contacts| contacts[0].0);
+        self.descending.extend(pairs.map(|(a, b)| (b, a)));
+        self.descending.sort_unstable();
     }
 
     /// The contacts of two bodies.

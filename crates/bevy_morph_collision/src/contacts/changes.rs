@@ -8,14 +8,14 @@ use super::contact::MorphContact;
 ///
 /// In a fixed schedule there may be any number of runs per frame. Systems in fixed schedules then see the changes of the last
 /// run. All other systems see those of all runs of the frame. Each of them sees every change once.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Changes {
     pub(crate) started: Vec<(Entity, Entity)>,
     pub(crate) ended: Vec<MorphContact>,
     /// Where the changes of the last run start.
-    run: (usize, usize),
+    pub(super) run: (usize, usize),
     /// Where, in `ended`, the contacts start that both began and ended in the last run.
-    passed: usize,
+    pub(super) passed: usize,
     /// Whether the plugin runs in a fixed schedule.
     is_fixed: bool,
     /// Whether there was a run since the fixed schedules were entered.
@@ -59,6 +59,12 @@ impl Changes {
     /// Says that the plugin runs in a fixed schedule, so there may be several runs in a frame.
     pub(crate) fn set_fixed(&mut self) {
         self.is_fixed = true;
+    }
+
+    /// Goes back to an earlier run of the same plugin.
+    pub(super) fn restore(&mut self, earlier: Self) {
+        let is_fixed = self.is_fixed;
+        *self = Self { is_fixed, ..earlier };
     }
 
     /// The fixed schedules begin: systems see the last run, which may have been several frames ago.

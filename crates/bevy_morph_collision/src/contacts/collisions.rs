@@ -45,14 +45,14 @@ use super::impact::MorphImpact;
 ///
 /// The messages [`MorphCollisionStart`](crate::events::MorphCollisionStart) and [`MorphCollisionEnd`](crate::events::MorphCollisionEnd) do not
 /// depend on the schedule: they report every change.
-#[derive(Resource, Reflect, Debug, Default)]
+#[derive(Resource, Reflect, Clone, Debug, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphCollisions {
     #[reflect(ignore)]
     pub(super) current: BTreeMap<(Entity, Entity), MorphContact>,
     /// What each collider touches.
     #[reflect(ignore)]
-    neighbours: EntityHashMap<BTreeSet<Entity>>,
+    pub(super) neighbours: EntityHashMap<BTreeSet<Entity>>,
     /// The same contacts, grouped by bodies.
     #[reflect(ignore)]
     pub(crate) bodies: BodyPairs,
@@ -126,6 +126,14 @@ impl MorphCollisions {
         let passed = self.changes.passed_in_run();
         let index = || passed.binary_search_by_key(&pair, MorphContact::pair).ok();
         self.current.get(&pair).or_else(|| passed.get(index()?))
+    }
+
+    /// Goes back to an earlier run.
+    pub(crate) fn restore(&mut self, earlier: Self) {
+        self.changes.restore(earlier.changes);
+        self.current = earlier.current;
+        self.neighbours = earlier.neighbours;
+        self.bodies = earlier.bodies;
     }
 
     /// Begins a run, in which nothing has started or ended yet.

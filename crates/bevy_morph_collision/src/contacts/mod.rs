@@ -3,12 +3,14 @@
 //! - `collisions`: the contacts of the last run. `contact`: one of them. `impact`: how it began, for continuous colliders.
 //! - `body_pairs`: the same contacts, grouped by bodies.
 //! - `changes`: what started and ended, in a run or in a frame.
+//! - `mapping`: the same for entities that have got other IDs.
 
 mod body_pairs;
 mod changes;
 mod collisions;
 mod contact;
 mod impact;
+mod mapping;
 mod no_triangles;
 mod of_bodies;
 
@@ -18,6 +20,7 @@ pub use collisions::MorphCollisions;
 pub(crate) use contact::pair_with_shape;
 pub use contact::{MorphContact, MorphContactPoint};
 pub use impact::{MorphImpact, MorphImpactFeatures};
+pub(crate) use mapping::{map_pair, map_pairs};
 pub(crate) use no_triangles::no_triangles;
 
 /// Adds the contacts, and registers the types for reflection.

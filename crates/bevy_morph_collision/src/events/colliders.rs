@@ -2,7 +2,7 @@
 
 use bevy::platform::time::Instant;
 
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
@@ -78,6 +78,13 @@ impl MorphCollidingEntities {
     #[must_use]
     pub fn contains(&self, entity: Entity) -> bool {
         self.0.binary_search(&entity).is_ok()
+    }
+}
+
+impl MapEntities for MorphCollidingEntities {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.0.map_entities(mapper);
+        self.0.sort_unstable();
     }
 }
 

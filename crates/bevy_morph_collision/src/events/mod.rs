@@ -9,11 +9,21 @@ mod frames;
 
 use bevy::prelude::*;
 
+use crate::app::forget_messages;
+
 pub(crate) use bodies::report_body_changes;
 pub use bodies::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
 pub use colliders::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionStart};
 pub(crate) use colliders::{list_colliding_entities, report_changes};
 pub(crate) use frames::{begin_empty_run, show_fixed_runs_to_frames};
+
+/// Forgets messages that nobody has read.
+pub(crate) fn forget_unread(world: &mut World) {
+    forget_messages::<MorphCollisionStart>(world);
+    forget_messages::<MorphCollisionEnd>(world);
+    forget_messages::<MorphBodyCollisionStart>(world);
+    forget_messages::<MorphBodyCollisionEnd>(world);
+}
 
 /// Adds the messages, and registers the types for reflection.
 pub(crate) fn add(app: &mut App) {

@@ -29,14 +29,13 @@ pub(crate) struct NarrowPhase {
     batch: BatchQuery,
     /// The maximum number of triangle pairs in a contact.
     limit: usize,
-    /// Whether the limit has changed since the last run.
+    /// Whether it has changed since the last run.
     compare_all: bool,
     /// The time since the last run; 0 if it is not known.
     seconds: f64,
     /// The pairs of meshes to query.
     comparisons: Vec<Comparison>,
-    /// Where pairs touched in the last run. `next_memories` is memory for the next ones.
-    memories: Memories,
+    /// Memory for [`PairHistory::memories`](super::PairHistory).
     next_memories: Memories,
     /// Where colliders of continuous pairs were in the last run.
     starts: Starts,
@@ -60,13 +59,13 @@ pub(crate) fn find_contacts(
     let start = Instant::now();
     let _span = debug_span!("morph_collision::narrow_phase").entered();
     let phase = &mut *phase;
-    let limit = settings.list_limit();
-    phase.compare_all = std::mem::replace(&mut phase.limit, limit) != limit;
+    phase.limit = settings.list_limit();
+    phase.compare_all = std::mem::replace(&mut found.history.limit, phase.limit) != phase.limit;
     let refused = hooked.refused_overlapping();
     diagnostics.skipped_hooks = refused;
     diagnostics.candidate_pairs -= refused;
     if runs.compare(phase.compare_all || hooked.any_changed()) {
-        let (outcomes, dropped) = found.begin_run();
+        let (outcomes, dropped, memories) = found.begin_run();
         let hooks = (&*hooked, &dropped);
         phase.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
         let unchanged = phase.compare_pairs(
@@ -74,6 +73,7 @@ pub(crate) fn find_contacts(
             hooks,
             &mut colliders,
             &collisions,
+            memories,
             outcomes,
             &mut diagnostics,
         );
@@ -97,6 +97,7 @@ impl NarrowPhase {
         (hooked, dropped): (&HookedPairs, &BTreeSet<Pair>),
         colliders: &mut Query<(Entity, &mut ColliderState)>,
         contacts: &MorphCollisions,
+        memories: &mut Memories,
         outcomes: &mut Vec<(Pair, Outcome)>,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> u64 {
@@ -160,7 +161,7 @@ impl NarrowPhase {
                 }),
             }
         }
-        self.compare_meshes(&mut placed, contacts, &mut jobs, outcomes, diagnostics);
+        self.compare_meshes(&mut placed, contacts, memories, &mut jobs, outcomes, diagnostics);
         let is_only_swept = |pair: &&Pair| pairs.binary_search(pair).is_err() && !hooked.refuse(**pair);
         for &pair in swept.pairs.iter().filter(is_only_swept) {
             if let Some(comparison) = compare(pair, true, &placed).filter(|comparison| comparison.is_swept) {
@@ -187,6 +188,7 @@ impl NarrowPhase {
         &mut self,
         placed: &mut [PlacedCollider<'_>],
         contacts: &MorphCollisions,
+        memories: &mut Memories,
         jobs: &mut Vec<Job>,
         outcomes: &mut Vec<(Pair, Outcome)>,
         diagnostics: &mut MorphCollisionDiagnostics,
@@ -198,7 +200,6 @@ impl NarrowPhase {
             compare_all: _,
             seconds: _,
             comparisons,
-            memories,
             next_memories,
             starts: _,
         } = self;

@@ -4,12 +4,14 @@ use std::collections::BTreeSet;
 use std::mem::take;
 use std::time::Duration;
 
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use super::comparison::{Outcome, Pair};
+use super::memories::Memories;
 use crate::broad_phase::{Candidates, HookedPairs};
-use crate::contacts::{MorphCollisions, MorphContact};
+use crate::contacts::{MorphCollisions, MorphContact, map_pair};
 use crate::state::{MorphCollisionDiagnostics, Runs};
 
 /// What the run has found out about the pairs that it compared.
@@ -17,17 +19,54 @@ use crate::state::{MorphCollisionDiagnostics, Runs};
 pub(crate) struct FoundContacts {
     /// In any order.
     outcomes: Vec<(Pair, Outcome)>,
-    /// Pairs that touch, although hooks say that they do not.
-    dropped: BTreeSet<Pair>,
+    /// What the next run depends on.
+    pub(super) history: PairHistory,
     /// The time that hooks took.
     pub(crate) duration: Duration,
 }
 
+/// What the narrow phase remembers of earlier runs.
+#[derive(Clone, Default)]
+pub(crate) struct PairHistory {
+    /// Pairs that touched, although hooks said that they did not.
+    dropped: BTreeSet<Pair>,
+    /// Where pairs touched.
+    pub(super) memories: Memories,
+    /// The maximum number of triangle pairs in a contact.
+    pub(super) limit: usize,
+    /// The triangle pairs of all contacts.
+    triangle_pairs: u64,
+}
+
+impl MapEntities for PairHistory {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        let dropped = take(&mut self.dropped).into_iter();
+        self.dropped = dropped.map(|pair| map_pair(pair, mapper)).collect();
+        self.memories.retain_mut(|(pair, _)| {
+            *pair = (mapper.get_mapped(pair.0), mapper.get_mapped(pair.1));
+            // A memory is of two meshes in this order.
+            pair.0 < pair.1
+        });
+        self.memories.sort_unstable_by_key(|(pair, _)| *pair);
+    }
+}
+
 impl FoundContacts {
-    /// Begins a run in which pairs are compared. Returns the list for what it finds, and the pairs that hooks dropped in the last one.
-    pub(super) fn begin_run(&mut self) -> (&mut Vec<(Pair, Outcome)>, BTreeSet<Pair>) {
+    /// Begins a run in which pairs are compared. Returns the list for what it finds, the pairs that hooks dropped in the last
+    /// one, and where pairs touched then.
+    pub(super) fn begin_run(&mut self) -> (&mut Vec<(Pair, Outcome)>, BTreeSet<Pair>, &mut Memories) {
         self.outcomes.clear();
-        (&mut self.outcomes, take(&mut self.dropped))
+        let history = &mut self.history;
+        (&mut self.outcomes, take(&mut history.dropped), &mut history.memories)
+    }
+
+    pub(crate) fn memory(&self) -> PairHistory {
+        self.history.clone()
+    }
+
+    /// Goes back to an earlier run.
+    pub(crate) fn restore(&mut self, history: PairHistory) {
+        *self = Self { history, ..default() };
     }
 
     /// Lets a hook change contacts, in ascending order of their colliders. Those for which `keep` returns `false` do not count. What the
@@ -55,7 +94,7 @@ impl FoundContacts {
             } else {
                 *outcome = Outcome::Apart;
                 if is_lasting {
-                    self.dropped.insert(*pair);
+                    self.history.dropped.insert(*pair);
                 }
             }
         }
@@ -70,7 +109,6 @@ pub(crate) fn store_contacts(
     mut found: ResMut<FoundContacts>,
     mut collisions: ResMut<MorphCollisions>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
-    mut triangle_pairs: Local<u64>,
 ) {
     let start = Instant::now();
     let collisions = &mut *collisions;
@@ -97,10 +135,10 @@ pub(crate) fn store_contacts(
         }
         collisions.end_run(passed);
         let triangles = collisions.iter().map(|contact| contact.triangles.len() as u64);
-        *triangle_pairs = triangles.sum();
+        found.history.triangle_pairs = triangles.sum();
     }
     hooked.end_run();
-    diagnostics.triangle_pairs = *triangle_pairs;
+    diagnostics.triangle_pairs = found.history.triangle_pairs;
     diagnostics.touching_pairs = collisions.len() as u64;
     diagnostics.duration += take(&mut found.duration) + start.elapsed();
 }

@@ -18,7 +18,7 @@ mod starts;
 use bevy::prelude::*;
 
 pub(crate) use find::find_contacts;
-pub(crate) use found::{FoundContacts, store_contacts};
+pub(crate) use found::{FoundContacts, PairHistory, store_contacts};
 
 /// Adds what a run finds.
 pub(crate) fn add(app: &mut App) {

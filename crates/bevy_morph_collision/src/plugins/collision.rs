@@ -9,8 +9,8 @@ use super::schedule::MorphCollisionSchedule;
 use crate::app::MorphCollisionSystems;
 use crate::setup::TreesPlugin;
 use crate::{
-    broad_phase, components, contacts, events, import, misuse, narrow_phase, posing, self_collisions, setup, spatial,
-    state, surface,
+    broad_phase, components, contacts, events, import, misuse, narrow_phase, posing, rollback, self_collisions, setup,
+    spatial, state, surface,
 };
 
 /// Detects collisions between [`MorphCollider`](crate::components::MorphCollider)s: by default every frame, in [`PostUpdate`].
@@ -60,6 +60,7 @@ impl Plugin for MorphCollisionPlugin {
         events::add(app);
         surface::register(app);
         misuse::add(app);
+        rollback::register(app);
         let schedule = MorphCollisionSchedule::of(app);
         order_stages(app, schedule);
         add_systems(app, schedule);

@@ -25,7 +25,7 @@ pub(crate) type AllSkins<'w, 's> = Query<'w, 's, &'static SkinnedMesh, Allow<Dis
 #[allow(missing_debug_implementations)]
 pub struct Skeletons {
     /// Keyed by bind poses and first joint, which nearly always identifies a skeleton.
-    by_start: HashMap<(PosesId, Option<Entity>), Vec<Skeleton>>,
+    pub(super) by_start: HashMap<(PosesId, Option<Entity>), Vec<Skeleton>>,
     /// Shared by all skeletons with the same bind poses.
     bind_poses: HashMap<PosesId, KnownPoses>,
     /// How often a system has looked for changes.
@@ -35,11 +35,11 @@ pub struct Skeletons {
     /// When transforms were last looked at, and how many there were.
     seen: Option<(Tick, usize)>,
     /// How many skeletons there are, and how many the last clean-up left.
-    count: usize,
+    pub(super) count: usize,
     kept: usize,
 }
 
-type PosesId = AssetId<SkinnedMeshInverseBindposes>;
+pub(super) type PosesId = AssetId<SkinnedMeshInverseBindposes>;
 
 /// Inverse bind poses, as they were last found.
 #[derive(Default)]
@@ -65,15 +65,15 @@ impl KnownPoses {
 #[derive(Default)]
 #[allow(missing_debug_implementations)]
 pub struct Skeleton {
-    joints: Vec<Entity>,
+    pub(super) joints: Vec<Entity>,
     /// The version of the inverse bind poses of the last update.
     poses_version: u64,
     /// The last computed matrices, valid or not.
-    world_from_mesh: Vec<Affine3A>,
+    pub(super) world_from_mesh: Vec<Affine3A>,
     /// The last valid matrices.
-    matrices: Option<JointMatrices>,
+    pub(super) matrices: Option<JointMatrices>,
     /// Why the current matrices are invalid, with the index of the joint.
-    problem: Option<(usize, InputError)>,
+    pub(super) problem: Option<(usize, InputError)>,
     /// Whether the problem has been reported.
     pub(crate) is_reported: bool,
     /// When the skeleton was last updated.
@@ -122,9 +122,13 @@ impl Skeleton {
                 changed = true;
             }
         }
-        if !changed {
-            return;
+        if changed {
+            self.check();
         }
+    }
+
+    /// Takes over the last computed matrices if they are valid.
+    pub(super) fn check(&mut self) {
         match JointMatrices::new(&self.world_from_mesh) {
             Ok(matrices) => {
                 self.matrices = Some(matrices);

@@ -42,7 +42,7 @@ pub struct MorphSelfCollisionEnd {
     pub region: u32,
 }
 
-/// Reports what started and ended.
+/// Reports what started and ended, in ascending order of colliders: first all ends, then all starts.
 pub(crate) fn report_self_collisions(
     mut colliders: Query<
         (
@@ -57,7 +57,13 @@ pub(crate) fn report_self_collisions(
     mut ends: MessageWriter<MorphSelfCollisionEnd>,
     mut commands: Commands,
 ) {
-    for (collider, _, state, is_observed) in &colliders {
+    let news = colliders
+        .iter_mut()
+        .filter(|(_, _, state, _)| !state.changes.is_empty());
+    // The order of the query depends on what the entities were before.
+    let mut news: Vec<_> = news.collect();
+    news.sort_unstable_by_key(|(collider, ..)| *collider);
+    for &(collider, _, ref state, is_observed) in &news {
         for &region in &state.changes.ended {
             let end = MorphSelfCollisionEnd { collider, region };
             ends.write(end);
@@ -66,7 +72,7 @@ pub(crate) fn report_self_collisions(
             }
         }
     }
-    for (collider, list, mut state, is_observed) in &mut colliders {
+    for (collider, list, mut state, is_observed) in news {
         let changes = std::mem::take(&mut state.changes);
         let started = |region: &&MorphSelfContact| changes.started.contains(&region.region);
         for contact in list.regions().iter().filter(started) {

@@ -15,16 +15,23 @@ mod state;
 
 use bevy::prelude::*;
 
-use crate::app::require_state;
+use crate::app::{forget_messages, require_state};
 
 pub(crate) use events::report_self_collisions;
 pub use events::{MorphSelfCollisionEnd, MorphSelfCollisionStart};
 pub(crate) use find::find_self_collisions;
 pub use list::{MorphSelfCollisions, MorphSelfContact};
+pub(crate) use state::{SelfMemory, SelfState};
+
+/// Forgets messages that nobody has read.
+pub(crate) fn forget_unread(world: &mut World) {
+    forget_messages::<MorphSelfCollisionStart>(world);
+    forget_messages::<MorphSelfCollisionEnd>(world);
+}
 
 /// Adds the messages, and registers the types for reflection.
 pub(crate) fn add(app: &mut App) {
-    require_state::<MorphSelfCollisions, state::SelfState>(app);
+    require_state::<MorphSelfCollisions, SelfState>(app);
     app.add_message::<MorphSelfCollisionStart>()
         .add_message::<MorphSelfCollisionEnd>()
         .add_observer(events::end_with_component)

@@ -1,6 +1,6 @@
 //! Follows regions from run to run.
 
-use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use morph_collision::{Body, MorphModel, TrianglePair, touching_regions};
 
@@ -12,6 +12,12 @@ pub(super) struct Changes {
     /// Numbers of regions.
     pub(super) ended: Vec<u32>,
     pub(super) started: Vec<u32>,
+}
+
+impl Changes {
+    pub(super) fn is_empty(&self) -> bool {
+        self.ended.is_empty() && self.started.is_empty()
+    }
 }
 
 /// Replaces regions by those of the pairs that intersect now. A region goes on as a new one with which it has a triangle in common.
@@ -70,7 +76,10 @@ fn both(pair: &TrianglePair) -> [u32; 2] {
 
 /// The mean of the centroids of all triangles.
 pub(super) fn middle(pairs: &[TrianglePair], body: &mut Body<'_>) -> Vec3 {
-    let triangles: HashSet<u32> = pairs.iter().flat_map(both).collect();
+    // In a fixed order, because a sum is rounded: that of a hash set differs between machines.
+    let mut triangles: Vec<u32> = pairs.iter().flat_map(both).collect();
+    triangles.sort_unstable();
+    triangles.dedup();
     let corners = triangles.iter().filter_map(|&triangle| body.triangle(triangle));
     let (sum, count) = corners
         .flatten()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use morph_collision::{JointMatrices, MorphBvh, Pose, SelfQuery, TrianglePair, WorldFromModel};
 
-use super::list::MorphSelfCollisions;
+use super::list::{MorphSelfCollisions, MorphSelfContact};
 use super::regions::Changes;
 
 /// The plugin's state for one [`MorphSelfCollisions`].
@@ -25,6 +25,7 @@ pub(crate) struct SelfState {
 }
 
 /// Everything that an answer depends on.
+#[derive(Clone)]
 pub(super) struct AnsweredFor {
     pub(super) tree: Arc<MorphBvh>,
     pub(super) weights: Vec<f32>,
@@ -52,7 +53,48 @@ impl AnsweredFor {
     }
 }
 
+/// What later runs depend on of a [`SelfState`] and its list.
+#[derive(Clone)]
+pub(crate) struct SelfMemory {
+    regions: Vec<MorphSelfContact>,
+    is_truncated: bool,
+    /// These may be others, if the game has replaced the list.
+    listed: Vec<u32>,
+    answered_for: Option<AnsweredFor>,
+    next_region: u32,
+    points: Vec<Vec3>,
+    world_from_model: WorldFromModel,
+}
+
 impl SelfState {
+    pub(crate) fn memory(&self, list: &MorphSelfCollisions) -> SelfMemory {
+        SelfMemory {
+            regions: list.regions.clone(),
+            is_truncated: list.is_truncated,
+            listed: self.listed.clone(),
+            answered_for: self.answered_for.clone(),
+            next_region: self.next_region,
+            points: self.points.clone(),
+            world_from_model: self.world_from_model,
+        }
+    }
+
+    /// Goes back to a state, or to that of a component that is new, without reporting anything.
+    pub(crate) fn restore(&mut self, memory: Option<&SelfMemory>, list: &mut MorphSelfCollisions) {
+        *self = Self::default();
+        list.regions.clear();
+        list.is_truncated = false;
+        if let Some(memory) = memory {
+            list.regions.clone_from(&memory.regions);
+            list.is_truncated = memory.is_truncated;
+            self.listed.clone_from(&memory.listed);
+            self.answered_for.clone_from(&memory.answered_for);
+            self.next_region = memory.next_region;
+            self.points.clone_from(&memory.points);
+            self.world_from_model = memory.world_from_model;
+        }
+    }
+
     /// Ends all regions.
     pub(super) fn reset(&mut self, list: &mut MorphSelfCollisions) {
         self.changes.ended.append(&mut self.listed);

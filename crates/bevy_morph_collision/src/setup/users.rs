@@ -183,7 +183,7 @@ pub(crate) fn hand_out_trees(
         (entities, has)
     });
     let are_same = columns.contiguous_iter().is_ok() && rows.replace(lists);
-    news.are_others = !are_same || ran_long_ago(&ticks);
+    news.are_others = !are_same || ran_long_ago(&ticks) || news.is_restored;
     let mut all = tables();
     let any_changed = all.any(|(_, collider, mesh, options, skin, ..)| {
         any_added(Some(&collider))
@@ -191,7 +191,7 @@ pub(crate) fn hand_out_trees(
             || any_changed(options.as_ref())
             || any_changed(skin.as_ref())
     });
-    let every = *version != trees.version();
+    let every = *version != trees.version() || news.is_restored;
     *version = trees.version();
     if news.are_others || any_changed || every {
         for (entity, user, mut state) in &mut colliders {

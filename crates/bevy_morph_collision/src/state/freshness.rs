@@ -2,7 +2,7 @@
 //!
 //! | what | set by | read by | cleared by |
 //! |---|---|---|---|
-//! | the bounds are of an earlier pose | `setup`, `posing`: [`Freshness::pose_changed`] | `broad_phase` | `broad_phase`: [`Freshness::bounds_computed`] |
+//! | the bounds are of an earlier pose | `setup`, `posing`: [`Freshness::pose_changed`]; `state`: [`Freshness::look_again`] | `broad_phase` | `broad_phase`: [`Freshness::bounds_computed`] |
 //! | the answers are of an earlier state | `setup`, `posing`: [`Freshness::pose_changed`]; `broad_phase`: [`Freshness::placement_changed`], [`Freshness::show_current`] | `broad_phase`, `narrow_phase` | `narrow_phase`: [`Freshness::compared`]; `broad_phase`: [`Freshness::hold_back`] |
 //! | collisions see an earlier state (tolerance) | `broad_phase`: [`Freshness::hold_back`] | `broad_phase` | `broad_phase`: [`Freshness::show_current`], [`Freshness::stop_holding`] |
 //! | it was read in the last run | `broad_phase`: [`Freshness::see`] | `setup`, `posing`, `self_collisions`, `spatial` | a run in which its entity is disabled |
@@ -40,6 +40,11 @@ impl Freshness {
 
     pub(crate) fn bounds_are_old(&self) -> bool {
         self.bounds_are_old
+    }
+
+    /// Places the collider anew in the next run, from what it depends on and not from what has changed.
+    pub(crate) fn look_again(&mut self) {
+        self.bounds_are_old = true;
     }
 
     /// Something besides the pose changed that affects an answer.
@@ -105,6 +110,12 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
+    /// Goes back to earlier runs. Whoever has kept something for a version has to look again.
+    pub(crate) fn restore(&mut self, earlier: Self) {
+        let version = self.version + 1;
+        *self = Self { version, ..earlier };
+    }
+
     /// Begins to place colliders. If they are the same as in the last run, those that do not change need not be read.
     pub(crate) fn begin(&mut self, are_same: bool) {
         if !are_same {

@@ -22,7 +22,37 @@ pub(crate) struct Held {
     tolerance: f32,
 }
 
+/// What later runs depend on of a [`Held`].
+#[derive(Clone)]
+pub(super) struct HeldMemory {
+    pose: Option<PoseSnapshot>,
+    pub(super) placed: Placement,
+    before: PoseSnapshot,
+    tolerance: f32,
+}
+
 impl Held {
+    pub(super) fn memory(&self) -> HeldMemory {
+        HeldMemory {
+            pose: self.pose.as_ref().map(LockedPose::snapshot),
+            placed: self.placed,
+            before: self.before.clone(),
+            tolerance: self.tolerance,
+        }
+    }
+
+    /// The state that a memory is of. It takes over the pose of another one.
+    pub(super) fn restored(held: Option<Box<Self>>, memory: &HeldMemory) -> Self {
+        let mut pose = held.and_then(|held| held.pose);
+        LockedPose::restore(&mut pose, memory.pose.as_ref());
+        Self {
+            pose,
+            placed: memory.placed,
+            before: memory.before.clone(),
+            tolerance: memory.tolerance,
+        }
+    }
+
     pub(super) fn new(pose: Option<&Pose>, placed: Placement, before: PoseSnapshot, tolerance: f32) -> Self {
         Self {
             pose: pose.cloned().map(LockedPose::new),

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-use morph_collision::Pose;
+use morph_collision::{Pose, PoseSnapshot};
 
 /// A pose that queries refit even though they only have read access. The lock serves systems that query at the same time.
 pub(crate) struct LockedPose(Mutex<Pose>);
@@ -10,6 +10,22 @@ pub(crate) struct LockedPose(Mutex<Pose>);
 impl LockedPose {
     pub(crate) fn new(pose: Pose) -> Self {
         Self(Mutex::new(pose))
+    }
+
+    /// The weights and joints.
+    pub(crate) fn snapshot(&self) -> PoseSnapshot {
+        let mut snapshot = PoseSnapshot::default();
+        snapshot.take(&self.lock());
+        snapshot
+    }
+
+    /// Brings a pose to a state. One of the same tree keeps what is blended for the same weights and joints. If the tree of the state is
+    /// gone, there is no pose.
+    pub(crate) fn restore(pose: &mut Option<Self>, snapshot: Option<&PoseSnapshot>) {
+        let is_restored = |pose: &mut Self| snapshot.is_some_and(|snapshot| snapshot.restore(pose.get_mut()));
+        if !pose.as_mut().is_some_and(is_restored) {
+            *pose = snapshot.and_then(PoseSnapshot::to_pose).map(Self::new);
+        }
     }
 
     /// Accesses the pose without locking.

@@ -3,6 +3,7 @@
 //! - `collider_state`: the component with everything about one collider.
 //!   - `locked_pose`: its pose. `placement`: where and how it takes part. `previous`: the same one run earlier.
 //!   - `held`: the earlier state that collisions see if the collider has a tolerance.
+//!   - `memory`: what of all this a rollback has to bring back.
 //!   - `bad_weights`, `readiness`: what has been reported about it.
 //! - `freshness`: what has changed since the last run, and who has noticed. `news`: which colliders a run has to look at. `run_times`: when runs were. `diagnostics`: what the last run did.
 
@@ -12,6 +13,7 @@ mod diagnostics;
 mod freshness;
 mod held;
 mod locked_pose;
+mod memory;
 mod news;
 mod placement;
 mod previous;
@@ -30,6 +32,7 @@ pub(crate) use diagnostics::{Preparation, begin_run};
 
 pub(crate) use freshness::Runs;
 pub(crate) use locked_pose::LockedPose;
+pub(crate) use memory::ColliderMemory;
 pub(crate) use news::{ColliderNews, Moved};
 pub(crate) use placement::{Form, Placement, Skip};
 

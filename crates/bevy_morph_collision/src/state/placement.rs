@@ -1,6 +1,7 @@
 //! How a collider takes part in a run, besides its pose.
 
 use crate::components::{MorphCollisionLayers, MorphCollisionMode};
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 use morph_collision::motion::MovingShape;
 use morph_collision::{Aabb, PlacedShape, WorldFromModel};
@@ -16,6 +17,12 @@ pub(crate) struct Placement {
     pub(crate) continuous: bool,
     /// In world space, without the margin.
     pub(crate) bounds: Aabb,
+}
+
+impl MapEntities for Placement {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.body.map_entities(mapper);
+    }
 }
 
 /// The collider's geometry, placed in the world.

@@ -3,7 +3,7 @@
 use morph_collision::{PoseSnapshot, WorldFromModel};
 
 /// The state of a collider's mesh after a run.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Previous {
     pub(crate) shape: PoseSnapshot,
     /// `None` if it took no part.

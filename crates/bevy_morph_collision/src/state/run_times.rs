@@ -5,7 +5,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 
 /// The times of the last runs.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Copy, Default)]
 pub(crate) struct RunTimes {
     last: Option<Duration>,
     /// The time between the last two runs.

@@ -53,6 +53,13 @@ impl PoseSnapshot {
                 .is_none_or(|joints| pose.set_joints(joints).is_ok())
     }
 
+    /// Creates a pose in the stored state; `None` if the tree has been dropped, or if nothing was stored.
+    #[must_use]
+    pub fn to_pose(&self) -> Option<Pose> {
+        let mut pose = Pose::new(self.bvh.upgrade()?);
+        self.restore(&mut pose).then_some(pose)
+    }
+
     /// Returns the corners of a triangle in world space as they were. `None` if there is no such triangle, or if the tree has been
     /// dropped.
     ///
@@ -139,6 +146,8 @@ mod tests {
             let mut other = Pose::new(pose.bvh().clone());
             assert!(snapshot.restore(&mut other));
             assert_eq!(Body::new(&mut other, &place).triangle(0), Some(then));
+            let mut new = snapshot.to_pose().expect("the tree is kept");
+            assert_eq!(Body::new(&mut new, &place).triangle(0), Some(then));
             let mut foreign = posed(skinned, 0.1, Affine3A::IDENTITY);
             assert!(!snapshot.restore(&mut foreign) && foreign.weights() == [0.1]);
             // A second call replaces weights and joints.
@@ -146,8 +155,9 @@ mod tests {
             assert_eq!(snapshot.triangle(0, &place), Body::new(&mut pose, &place).triangle(0));
             // It keeps nothing alive.
             let tree = Arc::downgrade(pose.bvh());
-            drop((pose, other));
+            drop((pose, other, new));
             assert!(tree.upgrade().is_none() && snapshot.triangle(0, &place).is_none());
+            assert!(snapshot.to_pose().is_none());
         }
     }
 }

@@ -28,7 +28,7 @@ use crate::tree::{Leaf, MorphBvh};
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct PairMemory {
     trees: Option<[Arc<MorphBvh>; 2]>,
     witness: Option<(Leaf, Leaf)>,

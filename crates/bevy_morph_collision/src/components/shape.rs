@@ -1,10 +1,16 @@
 //! Rigid primitive shapes as colliders.
 
+use std::ops::RangeInclusive;
+
 use bevy::math::Mat3A;
 use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, PlacedShape, Shape};
 
 use super::collider::MorphCollider;
+use super::unit::MorphUnit;
+
+/// The sizes that [`PlacedShape::new`] accepts.
+const SIZES: RangeInclusive<f32> = 0.0..=1e37;
 
 /// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
 ///
@@ -39,18 +45,22 @@ pub enum MorphShape {
     /// A ball around the origin.
     Ball {
         /// The radius.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         radius: f32,
     },
     /// All points within a radius of a segment along the y axis.
     Capsule {
         /// Half the length of the segment, without the round ends.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_length: f32,
         /// The radius.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         radius: f32,
     },
     /// A box around the origin.
     Cuboid {
         /// Half the edge lengths.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_extents: Vec3,
     },
     /// Everything below the plane through the origin.

@@ -8,6 +8,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use super::comparison::{Outcome, Pair};
+use crate::app::MorphCollisionSystems;
 use crate::broad_phase::{Candidates, HookedPairs};
 use crate::contacts::{MorphCollisions, MorphContact};
 use crate::state::{MorphCollisionDiagnostics, Runs};
@@ -96,5 +97,8 @@ pub(crate) fn store_contacts(
     hooked.end_run();
     diagnostics.triangle_pairs = *triangle_pairs;
     diagnostics.touching_pairs = collisions.len() as u64;
-    diagnostics.duration += take(&mut found.duration) + start.elapsed();
+    diagnostics.spend(
+        MorphCollisionSystems::NarrowPhase,
+        take(&mut found.duration) + start.elapsed(),
+    );
 }

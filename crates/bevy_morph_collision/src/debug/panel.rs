@@ -164,7 +164,7 @@ fn rebuild(
 /// Pointers go through the panel.
 #[cfg(feature = "picking")]
 fn unpickable() -> impl Bundle {
-    bevy::picking::Pickable::IGNORE
+    Pickable::IGNORE
 }
 
 #[cfg(not(feature = "picking"))]

@@ -50,7 +50,7 @@ features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
-    for feature in "" gltf picking gizmos diagnostics; do
+    for feature in "" gltf picking gizmos diagnostics diagnostic_ui; do
         cargo check -p bevy_morph_collision --no-default-features --features "$feature"
     done
 

@@ -14,8 +14,10 @@ mod continuous;
 #[cfg(feature = "render")]
 mod cookbook;
 mod copying;
+mod costs;
 mod dolphins;
 mod drawn;
+mod editors;
 mod events;
 mod files;
 mod group;
@@ -32,6 +34,8 @@ mod models;
 mod netcode;
 mod noticed;
 mod pairs;
+#[cfg(feature = "diagnostic_ui")]
+mod panel;
 mod picking;
 mod readiness;
 mod real_models;

@@ -129,8 +129,50 @@
 //!
 //! Unchanged colliders cost almost nothing: weights, joints and transforms are compared by value, and a pair keeps its answer if
 //! neither of its colliders changed. With a [`tolerance`](components::MorphCollider::tolerance), small movements do not count as changes.
-//! [`MorphCollisionDiagnostics`](state::MorphCollisionDiagnostics) counts the work of each run; `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`) publishes
-//! the counts in Bevy's `DiagnosticsStore`.
+//! [`MorphCollisionDiagnostics`](state::MorphCollisionDiagnostics) counts the work of each run, and [`MorphPairCosts`](state::MorphPairCosts)
+//! lists the pairs that take most of it. `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`) publishes the counts in Bevy's
+//! `DiagnosticsStore`. `MorphDiagnosticsUiPlugin` (feature `diagnostic_ui`) shows everything in a panel:
+//!
+#![cfg_attr(feature = "diagnostic_ui", doc = "```")]
+#![cfg_attr(not(feature = "diagnostic_ui"), doc = "```ignore")]
+//! # use bevy::prelude::*;
+//! # use bevy_morph_collision::prelude::*;
+//! # let mut app = App::new();
+//! app.add_plugins(MorphDiagnosticsUiPlugin);
+//! ```
+//!
+//! ## Editors and the Bevy Remote Protocol
+//!
+//! All components and resources that a game writes are registered for reflection, so inspectors and the Bevy Remote Protocol can read and
+//! change them. A change takes effect in the next run. A bad value does what it does if code sets it: the log says so once, and the collider is
+//! left out until the value is good again, or the last good one stays in use. Fields have their unit, a [`MorphUnit`](components::MorphUnit), and
+//! their range, a `RangeInclusive`, as attributes for sliders.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy::ecs::reflect::{AppTypeRegistry, ReflectComponent};
+//! # use bevy_morph_collision::prelude::*;
+//! /// What `world.mutate_components` does for `{"component": "bevy_morph_collision::components::collider::MorphCollider",
+//! /// "path": ".margin", "value": 0.5}`.
+//! fn widen(world: &mut World, collider: Entity) {
+//!     let registry = world.resource::<AppTypeRegistry>().clone();
+//!     let registry = registry.read();
+//!     let registration = registry.get_with_short_type_path("MorphCollider").unwrap();
+//!     let component = registration.data::<ReflectComponent>().unwrap();
+//!     let mut collider = component.reflect_mut(world.entity_mut(collider)).unwrap();
+//!     *collider.path_mut::<f32>(".margin").unwrap() = 0.5;
+//! }
+//! # let mut world = World::new();
+//! # world.init_resource::<AppTypeRegistry>();
+//! # world.resource::<AppTypeRegistry>().write().register::<MorphCollider>();
+//! # let collider = world.spawn(MorphCollider::default()).id();
+//! # widen(&mut world, collider);
+//! # assert_eq!(world.get::<MorphCollider>(collider).unwrap().margin, 0.5);
+//! ```
+//!
+//! For the protocol, add `RemotePlugin` and `RemoteHttpPlugin` of the crate `bevy_remote`; nothing else is needed. Three things cannot be
+//! changed in this way: a [`MorphColliderOf`](components::MorphColliderOf) is immutable and has to be inserted again, the protocol has no
+//! text for the handle of a [`MorphTreeFrom`](import::MorphTreeFrom), and it does not see `MorphGizmos` in Bevy's `GizmoConfigStore`.
 //!
 //! ## Go back to an earlier frame
 //!
@@ -246,10 +288,13 @@ pub mod prelude {
         MorphActiveCollisionHooks, MorphBodyRoot, MorphCollider, MorphColliderDisabled, MorphColliderOf,
         MorphColliderScene, MorphColliders, MorphCollisionEventsEnabled, MorphCollisionLayers, MorphCollisionMode,
         MorphCollisionSettings, MorphConvexHull, MorphLayerMask, MorphShape, MorphTeleported, MorphTreeOptions,
+        MorphUnit,
     };
     pub use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint, MorphImpact, MorphImpactFeatures};
     #[cfg(feature = "diagnostics")]
     pub use crate::debug::MorphCollisionDiagnosticsPlugin;
+    #[cfg(feature = "diagnostic_ui")]
+    pub use crate::debug::{MorphDiagnosticsUi, MorphDiagnosticsUiPlugin, MorphDiagnosticsUiSettings};
     #[cfg(feature = "gizmos")]
     pub use crate::debug::{MorphGizmos, MorphGizmosPlugin};
     pub use crate::events::{
@@ -267,7 +312,7 @@ pub mod prelude {
         MorphQueryFilter, MorphRayCaster, MorphRayHit, MorphRayHits, MorphShapeCaster, MorphShapeHit, MorphShapeHits,
         MorphSpatialQuery,
     };
-    pub use crate::state::MorphCollisionDiagnostics;
+    pub use crate::state::{MorphCollisionDiagnostics, MorphPairCosts, MorphStageTimes};
     pub use crate::surface::MorphSurfaceAnchor;
     #[cfg(feature = "picking")]
     pub use crate::surface::{MorphPick, MorphPickingPlugin, MorphPickingSettings};

@@ -6,6 +6,8 @@
 pub mod arms;
 pub mod clock;
 mod counts;
+#[cfg(feature = "render_ui")]
+mod diagnostic_panel;
 pub mod files;
 pub mod group;
 pub mod halves;

@@ -15,7 +15,7 @@ use super::stage::{Notes, Playbill, StageCamera};
 use super::volumes::{self, DEEPEST};
 
 /// Keys that all shows share.
-const KEYS: [(&str, &str); 8] = [
+const KEYS: &[(&str, &str)] = &[
     ("right drag", "orbit"),
     ("middle drag", "pan"),
     ("wheel", "zoom"),
@@ -24,6 +24,8 @@ const KEYS: [(&str, &str); 8] = [
     ("- =", "slower, faster"),
     ("T", "touching triangles"),
     ("V, Shift V", "volumes one level deeper, higher"),
+    #[cfg(feature = "render_ui")]
+    ("F3", "diagnostics"),
 ];
 
 /// The largest width of a value, in points.
@@ -103,7 +105,7 @@ fn panel(
                     .default_open(bill.live)
                     .show(ui, |ui| {
                         let pause = (pause.1, "pause");
-                        let own = bill.keys.iter().chain([&pause]).chain(&KEYS);
+                        let own = bill.keys.iter().chain([&pause]).chain(KEYS);
                         rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
                     });
             });

@@ -130,6 +130,8 @@ pub(super) fn set(app: &mut App, demo: Demo, place: Place) {
             sliders::plugin,
             volumes::plugin,
         ));
+    #[cfg(feature = "render_ui")]
+    app.add_plugins(super::diagnostic_panel::plugin);
     #[cfg(not(target_arch = "wasm32"))]
     if !matches!(place, Place::Image { bare: true, .. }) {
         app.add_plugins(super::panel::plugin);

@@ -1,17 +1,28 @@
 //! Carries kinematic characters along with the surface on which they stand.
 
+use std::f32::consts::PI;
+use std::ops::RangeInclusive;
+
 use avian3d::prelude::{
     ColliderOf, MoveAndSlide, MoveAndSlideConfig, Physics, PhysicsLengthUnit, Position, RigidBody, Rotation, Sensor,
     ShapeCastConfig, SpatialQuery, SpatialQueryFilter,
 };
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::prelude::*;
+use bevy_morph_collision::components::MorphUnit;
 use bevy_morph_physics::moving::SurfacePoint;
 use bevy_morph_physics::{MorphCharacterGround, MorphPhysicsCollider};
 use morph_collision::ShapeQuery;
+use tracing::error;
 
 use super::shape::{CharacterShape, CharacterShapes};
 use crate::surface::AvianSurface;
+
+/// What [`MorphAvianCarry::reach`] may be.
+const REACHES: RangeInclusive<f32> = f32::MIN_POSITIVE..=f32::MAX;
+/// What [`MorphAvianCarry::max_slope`] may be.
+const SLOPES: RangeInclusive<f32> = 0.0..=PI;
 
 /// Carries a character along with the [`MorphPhysicsCollider`] on which it stands.
 ///
@@ -25,6 +36,8 @@ use crate::surface::AvianSurface;
 /// The ground is the first thing below its shape that is not steeper than [`max_slope`](Self::max_slope). Surfaces that the
 /// character merely touches do not move it. `MoveAndSlide` ignores colliders without a `RigidBody`, so give the surface one, such as
 /// `RigidBody::Static`.
+///
+/// If a number is out of range, nothing carries the character, and the log says so once.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -45,8 +58,10 @@ pub struct MorphAvianCarry {
     pub up: Dir3,
     /// How far below the shape the ground may be, in length units (multiplied by `PhysicsLengthUnit`). It must be larger than the
     /// character's distance from the ground, which is `MoveAndSlideConfig::skin_width`, 0.01. The default is 0.1.
+    #[reflect(@REACHES, @MorphUnit::Length)]
     pub reach: f32,
     /// The angle of the steepest slope that carries, in radians. The default is 45 degrees.
+    #[reflect(@SLOPES, @MorphUnit::Angle)]
     pub max_slope: f32,
 }
 
@@ -78,6 +93,9 @@ pub(crate) fn find_ground(
     spatial: SpatialQuery,
     length_unit: Res<PhysicsLengthUnit>,
     mut footing: ResMut<Footing>,
+    names: Query<NameOrEntity>,
+    // Characters whose numbers are out of range, and the log says so.
+    mut bad: Local<EntityHashSet>,
     mut query: Local<ShapeQuery>,
 ) {
     footing.0.clear();
@@ -85,12 +103,23 @@ pub(crate) fn find_ground(
         return;
     }
     let is_solid = |entity| !sensors.contains(entity);
+    bad.retain(|&entity| characters.contains(entity));
     for (entity, carry) in &characters {
         let reach = carry.reach * length_unit.0;
         let Some(character) = shapes.of(entity) else { continue };
         let Ok((position, rotation)) = isometries.get(character.root) else {
             continue;
         };
+        if !(REACHES.contains(&carry.reach) && SLOPES.contains(&carry.max_slope)) {
+            if bad.insert(entity) {
+                let name = names
+                    .get(entity)
+                    .map_or_else(|_| entity.to_string(), |name| name.to_string());
+                error!("nothing carries entity `{name}`, because a number in its {carry:?} is out of range");
+            }
+            continue;
+        }
+        bad.remove(&entity);
         if !position.0.is_finite() || !(reach > 0.0 && reach.is_finite()) {
             continue;
         }

@@ -70,7 +70,10 @@ pub(crate) fn before_step(
     };
     sources.skeletons.notice();
     for mut surface in &mut surfaces {
-        surface.state.moving.max_acceleration = surface.settings.max_acceleration * world.length_unit.0;
+        let name = || sources.name(surface.entity);
+        surface
+            .state
+            .set_max_acceleration(surface.settings, world.length_unit.0, name);
         let body = surface.of.and_then(|of| world.bodies.get(of.body).ok());
         if !advance(&mut surface, body.as_ref(), time, &mut sources) {
             exclude(&mut surface, &mut world.commands);

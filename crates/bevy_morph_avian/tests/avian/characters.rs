@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy_morph_avian::prelude::*;
 use morph_collision_workspace::physics::{settle, sheet};
 
+use crate::log::Errors;
 use crate::support::{DT, app, body, place, run, set_weights, spawn};
 
 /// A character with its own velocity: how it falls, and how it walks.
@@ -290,4 +291,33 @@ fn without_a_body_a_surface_is_no_ground_for_move_and_slide_as_with_any_collider
             assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
         }
     }
+}
+
+#[test]
+fn a_character_with_a_number_out_of_range_is_told_once_and_not_carried() {
+    Errors::collect(|errors| {
+        let (mut app, surface, character) = on_a_sheet((), kinematic());
+        let good = MorphAvianCarry::default();
+        let mut set = |carry: MorphAvianCarry| {
+            app.world_mut().entity_mut(character).insert(carry);
+            run(&mut app, 5);
+            let ground = app.world().get::<MorphCharacterGround>(character).unwrap().surface;
+            (errors.take().len(), ground)
+        };
+        assert_eq!(set(good), (0, Some(surface)));
+        for bad in [
+            MorphAvianCarry { reach: 0.0, ..good },
+            MorphAvianCarry {
+                reach: f32::NAN,
+                ..good
+            },
+            MorphAvianCarry {
+                max_slope: -0.1,
+                ..good
+            },
+        ] {
+            assert_eq!(set(bad), (1, None), "{bad:?}");
+            assert_eq!(set(good), (0, Some(surface)));
+        }
+    });
 }

@@ -16,7 +16,7 @@ mod workers;
 
 pub(crate) use messages::forget_messages;
 pub(crate) use missing::InGroup;
-#[cfg(any(feature = "picking", feature = "gizmos"))]
+#[cfg(any(feature = "picking", feature = "gizmos", feature = "diagnostic_ui"))]
 pub(crate) use missing::missing;
 pub(crate) use names::Names;
 pub use schedules::is_fixed;

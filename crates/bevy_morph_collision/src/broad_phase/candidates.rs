@@ -11,7 +11,7 @@ use super::sweep::Sweep;
 use super::swept_pairs::SweptPairs;
 use super::teleports::Teleports;
 use super::visits::{Visited, Visits};
-use crate::app::Names;
+use crate::app::{MorphCollisionSystems, Names};
 use crate::contacts::map_pairs;
 use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics, Moved, Placement, Runs, Skip};
 
@@ -179,7 +179,7 @@ pub(crate) fn find_candidates(
     diagnostics.skipped_passive = passive;
     diagnostics.skipped_rigid = rigid;
     diagnostics.candidate_pairs = candidates.pairs.len() as u64;
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::BroadPhase, start.elapsed());
 }
 
 impl Candidates {

@@ -7,7 +7,7 @@ use tracing::error;
 
 use crate::app::Names;
 use crate::components::{
-    MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape, body_of,
+    LENGTHS, MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphCollisionLayers, MorphShape, body_of,
 };
 use crate::state::{ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Placement, Runs};
 
@@ -131,11 +131,11 @@ impl ParticipantItem<'_, '_> {
             (_, None, None) => return Ok(None),
         };
         let margin = self.collider.margin;
-        if !(0.0..1e30).contains(&margin) {
+        if !LENGTHS.contains(&margin) {
             return Err(BadPlacement::Margin(margin));
         }
         let tolerance = self.collider.tolerance;
-        if !(0.0..1e30).contains(&tolerance) {
+        if !LENGTHS.contains(&tolerance) {
             return Err(BadPlacement::Tolerance(tolerance));
         }
         // A pose keeps its root box as long as its weights and joints stay the same.
@@ -160,8 +160,8 @@ enum BadPlacement {
     Transform(InputError),
     #[error("its shape: {0}")]
     Shape(InputError),
-    #[error("its margin is {0}, it must be a finite number that is not negative")]
+    #[error("its margin is {0}, it must be a number from 0 to 1e30")]
     Margin(f32),
-    #[error("its tolerance is {0}, it must be a finite number that is not negative")]
+    #[error("its tolerance is {0}, it must be a number from 0 to 1e30")]
     Tolerance(f32),
 }

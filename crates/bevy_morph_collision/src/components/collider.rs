@@ -1,8 +1,14 @@
 //! The components of colliders.
 
+use std::ops::RangeInclusive;
+
 use bevy::prelude::*;
 
 use super::layers::MorphCollisionLayers;
+use super::unit::MorphUnit;
+
+/// The margins and tolerances that colliders may have.
+pub(crate) const LENGTHS: RangeInclusive<f32> = 0.0..=1e30;
 
 /// Makes the [`Mesh3d`] of this entity collide as it is drawn, with its current morph weights, joints and [`GlobalTransform`].
 ///
@@ -41,6 +47,7 @@ pub struct MorphCollider {
     /// How much detail contacts of this collider report.
     pub mode: MorphCollisionMode,
     /// Colliders count as touching up to this distance, in world units. The margins of both colliders are added. Not negative.
+    #[reflect(@LENGTHS, @MorphUnit::Length)]
     pub margin: f32,
     /// How far the collider's points may move, in world units, before its pairs are compared again. Not negative. With 0, the
     /// default, pairs are compared after every movement.
@@ -53,6 +60,7 @@ pub struct MorphCollider {
     ///
     /// Only collisions use the tolerance: spatial queries, anchors, bounds for culling and physics always see the current state.
     /// All other changes, such as of the mesh, layers, mode or body, take effect immediately.
+    #[reflect(@LENGTHS, @MorphUnit::Length)]
     pub tolerance: f32,
     /// Whether pairs of this collider are also compared on the way from where they were in the last run to where they are now. Then
     /// fast motion, such as a bullet or a slap at a low frame rate, cannot go through others unnoticed.

@@ -4,7 +4,7 @@
 //! - `scene`: a scene whose meshes become colliders. `body`: colliders that form one body.
 //! - `layers`: what collides with what. `active_hooks`: which colliders ask the app's own rules. `events_enabled`: which colliders get events.
 //! - `teleported`: an entity that was put somewhere else.
-//! - `settings`: settings for the whole app. `tree_options`: how trees are built.
+//! - `settings`: settings for the whole app. `tree_options`: how trees are built. `unit`: the units of settings, for editors.
 //!
 //! Nothing here knows how the plugin works. Two more components are in the folder of the feature that reads them:
 //! [`MorphSelfCollisions`](crate::self_collisions::MorphSelfCollisions) and
@@ -22,12 +22,14 @@ mod settings;
 mod shape;
 mod teleported;
 mod tree_options;
+mod unit;
 
 use bevy::prelude::*;
 
 pub use active_hooks::MorphActiveCollisionHooks;
 pub use body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
 pub(crate) use body::{body_of, give_body};
+pub(crate) use collider::LENGTHS;
 pub use collider::{MorphCollider, MorphColliderDisabled, MorphCollisionMode};
 pub use convex_hull::MorphConvexHull;
 pub use events_enabled::MorphCollisionEventsEnabled;
@@ -39,6 +41,7 @@ pub use shape::MorphShape;
 pub use teleported::MorphTeleported;
 pub(crate) use teleported::with_descendants;
 pub use tree_options::MorphTreeOptions;
+pub use unit::MorphUnit;
 
 /// Registers the types for reflection.
 pub(crate) fn register(app: &mut App) {
@@ -57,5 +60,6 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<MorphTeleported>()
         .register_type::<MorphCollisionSettings>()
         .register_type::<MorphTreeOptions>()
+        .register_type::<MorphUnit>()
         .init_resource::<MorphCollisionSettings>();
 }

@@ -46,6 +46,7 @@ pub struct MorphCollisionSettings {
     ///
     /// The default, 8192, is more than twice what two meshes of 20,480 triangles list while they pass through each other (3172 at
     /// most). It limits the cost of frames in which bodies touch everywhere, such as two bodies scaled to a point.
+    #[reflect(@1..=usize::MAX)]
     pub max_triangle_pairs: usize,
     /// Leaves out the bad triangles of a mesh instead of refusing the mesh. Off by default.
     ///

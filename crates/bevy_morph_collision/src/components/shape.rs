@@ -1,9 +1,15 @@
 //! Rigid primitive shapes as colliders.
 
+use std::ops::RangeInclusive;
+
 use bevy::prelude::*;
 
 use super::collider::MorphCollider;
 use super::convex_hull::MorphConvexHull;
+use super::unit::MorphUnit;
+
+/// The sizes that [`PlacedShape::new`](morph_collision::PlacedShape::new) accepts.
+const SIZES: RangeInclusive<f32> = 0.0..=1e37;
 
 /// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
 ///
@@ -41,48 +47,61 @@ pub enum MorphShape {
     /// A ball around the origin.
     Ball {
         /// The radius.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         radius: f32,
     },
     /// All points within a radius of a segment along the y axis.
     Capsule {
         /// Half the length of the segment, without the round ends.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_length: f32,
         /// The radius.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         radius: f32,
     },
     /// A box around the origin.
     Cuboid {
         /// Half the edge lengths.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_extents: Vec3,
     },
     /// All points within a radius of a box around the origin.
     RoundCuboid {
         /// Half the edge lengths of the inner box, without the round border.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_extents: Vec3,
         /// The radius of the border, which adds to the size.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         border_radius: f32,
     },
     /// A cylinder along the y axis, around the origin.
     Cylinder {
         /// Half the height.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_height: f32,
         /// The radius.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         radius: f32,
     },
     /// A cone along the y axis, with its tip above. The origin is halfway up.
     Cone {
         /// Half the height.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_height: f32,
         /// The radius of the base.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         radius: f32,
     },
     /// A cone along the y axis whose tip has been cut off. The origin is halfway up.
     ConicalFrustum {
         /// Half the height.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         half_height: f32,
         /// The radius of the lower disc.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         bottom_radius: f32,
         /// The radius of the upper disc. It may be the larger one.
+        #[reflect(@SIZES, @MorphUnit::Length)]
         top_radius: f32,
     },
     /// The convex hull of points, for example of a mesh.

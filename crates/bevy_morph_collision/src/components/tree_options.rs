@@ -19,6 +19,7 @@ use morph_collision::{BuildOptions, InputError};
 #[reflect(Component, Debug, Default, Clone, PartialEq, Hash)]
 pub struct MorphTreeOptions {
     /// A node with at most this many triangles becomes a leaf; 1 to 255. The default is 8.
+    #[reflect(@1..=u8::MAX)]
     pub leaf_size: u8,
 }
 

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use morph_collision::{Body, WorldFromModel};
 
 use crate::app::{MorphCollisionSystems, missing};
+use crate::components::MorphUnit;
 use crate::contacts::MorphCollisions;
 use crate::state::{ColliderState, Form};
 
@@ -45,6 +46,7 @@ pub struct MorphGizmos {
     /// The colour of contact points and normals; `None` draws none.
     pub contacts: Option<Color>,
     /// The length of drawn normals, in world units.
+    #[reflect(@MorphUnit::Length)]
     pub normal_length: f32,
 }
 

@@ -4,6 +4,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use tracing::debug_span;
 
+use crate::app::MorphCollisionSystems;
 use crate::contacts::{MorphCollisions, MorphContact, MorphImpact};
 use crate::state::{MorphCollisionDiagnostics, Runs};
 
@@ -127,7 +128,7 @@ pub(crate) fn report_body_changes(
             trigger_all(world, passed);
         });
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Events, start.elapsed());
 }
 
 impl MorphBodyCollisionStart {

@@ -8,6 +8,7 @@ use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use tracing::debug_span;
 
+use crate::app::MorphCollisionSystems;
 use crate::components::{MorphColliders, MorphCollisionEventsEnabled};
 use crate::contacts::{MorphCollisions, MorphContact, MorphImpact};
 use crate::state::{MorphCollisionDiagnostics, Runs};
@@ -145,7 +146,7 @@ pub(crate) fn report_changes(
         }
     }
     end_all(collisions.changes.passed_in_run(), &mut commands);
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Events, start.elapsed());
 }
 
 impl MorphCollisionStart {
@@ -215,5 +216,5 @@ pub(crate) fn list_colliding_entities(
             list.0 = now;
         }
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Events, start.elapsed());
 }

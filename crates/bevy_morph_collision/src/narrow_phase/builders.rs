@@ -11,6 +11,7 @@ use super::contact_queries::ContactQueries;
 use super::motion::{SHARED_STEPS, STEPS_PER_PAIR, SweptResult};
 use super::starts::RunView;
 use crate::contacts::MorphContact;
+use crate::state::{PairWork, tests};
 
 /// With fewer costly contacts than this, all are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not
 /// touch.
@@ -27,6 +28,7 @@ struct Builder {
     queries: ContactQueries,
     stats: QueryStats,
     swept: QueryStats,
+    pairs: PairWork,
     outcomes: Vec<(Pair, Outcome)>,
     postponed: Vec<Postponed>,
 }
@@ -39,13 +41,15 @@ struct Postponed {
 }
 
 /// The work of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Work {
     pub(super) stats: QueryStats,
     /// The part of it that was spent on pairs on their way.
     pub(super) swept: QueryStats,
     /// The pairs whose work was cut short.
     pub(super) limited_pairs: u64,
+    /// The work of each pair, in any order, if it is counted.
+    pub(super) pairs: PairWork,
 }
 
 impl Builders {
@@ -77,6 +81,7 @@ impl Builders {
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             builder.stats = QueryStats::default();
             builder.swept = QueryStats::default();
+            builder.pairs.clear();
             builder.outcomes.clear();
             builder.postponed.clear();
         }
@@ -99,6 +104,7 @@ impl Builders {
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             work.stats += std::mem::take(&mut builder.stats);
             work.swept += std::mem::take(&mut builder.swept);
+            work.pairs.append(&mut builder.pairs);
             outcomes.append(&mut builder.outcomes);
             postponed.append(&mut builder.postponed);
         }
@@ -130,7 +136,11 @@ impl Builders {
             let share = left / pairs;
             pairs -= 1;
             if share > STEPS_PER_PAIR {
+                let before = tests(&work.swept);
                 swept = queries.swept(view, comparison, share, &mut work.swept);
+                if view.counts_pairs {
+                    work.pairs.push((comparison.pair, tests(&work.swept) - before));
+                }
                 left = left.saturating_sub(queries.motion.steps());
             }
             work.limited_pairs += u64::from(matches!(swept, SweptResult::Undecided(_)));
@@ -156,12 +166,17 @@ impl Outcome {
 impl Builder {
     fn build(&mut self, view: RunView<'_>, job: &mut Job) {
         let (comparison, queries) = (job.comparison, &mut self.queries);
+        let before = view.counts_pairs.then(|| tests(&self.stats) + tests(&self.swept));
         let contact = queries.contact(view, comparison, &mut job.known, &mut self.stats);
         let swept = if comparison.is_swept {
             queries.swept(view, comparison, STEPS_PER_PAIR, &mut self.swept)
         } else {
             SweptResult::Apart
         };
+        if let Some(before) = before {
+            let pair_tests = tests(&self.stats) + tests(&self.swept) - before;
+            self.pairs.push((comparison.pair, pair_tests));
+        }
         if let SweptResult::Undecided(_) = swept {
             self.postponed.push(Postponed {
                 comparison,
@@ -302,6 +317,7 @@ mod tests {
             starts: &starts,
             seconds: 0.0,
             limit: usize::MAX,
+            counts_pairs: true,
         };
         let work = Builders::default().run(workers, view, &mut jobs, &mut outcomes);
         outcomes.sort_by_key(|(pair, _)| *pair);

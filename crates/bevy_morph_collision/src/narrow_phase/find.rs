@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use morph_collision::Body;
 use morph_collision::batch::{BatchQuery, PairTask, Wanted};
+use morph_collision::{Body, QueryStats};
 use tracing::debug_span;
 
 use super::builders::Builders;
@@ -16,11 +16,11 @@ use super::participant::PlacedCollider;
 use super::starts::Starts;
 
 use super::starts::RunView;
-use crate::app::TaskPoolWorkers;
+use crate::app::{MorphCollisionSystems, TaskPoolWorkers};
 use crate::broad_phase::{Candidates, HookedPairs};
 use crate::components::MorphCollisionSettings;
 use crate::contacts::MorphCollisions;
-use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, RunTimes, Runs};
+use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, MorphPairCosts, PairWork, RunTimes, Runs, tests};
 
 /// Memory that the narrow phase reuses.
 #[derive(Default)]
@@ -39,6 +39,8 @@ pub(crate) struct NarrowPhase {
     next_memories: Memories,
     /// Where colliders of continuous pairs were in the last run.
     starts: Starts,
+    /// The work of each pair, in any order. `None` if nobody wants to know.
+    pair_work: Option<PairWork>,
 }
 
 /// Finds out for every candidate pair whether and where it touches. Queries all pairs of meshes at once, on Bevy's threads.
@@ -54,12 +56,14 @@ pub(crate) fn find_contacts(
     settings: Res<MorphCollisionSettings>,
     times: Res<RunTimes>,
     mut phase: Local<NarrowPhase>,
+    mut costs: ResMut<MorphPairCosts>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::narrow_phase").entered();
     let phase = &mut *phase;
     phase.limit = settings.list_limit();
+    phase.pair_work = (costs.limit > 0).then(PairWork::new);
     phase.compare_all = std::mem::replace(&mut found.history.limit, phase.limit) != phase.limit;
     let refused = hooked.refused_overlapping();
     diagnostics.skipped_hooks = refused;
@@ -85,7 +89,13 @@ pub(crate) fn find_contacts(
     } else {
         diagnostics.skipped_unchanged = diagnostics.candidate_pairs;
     }
-    diagnostics.duration += std::mem::take(&mut hooked.duration) + start.elapsed();
+    if phase.pair_work.is_some() || !costs.pairs().is_empty() {
+        costs.replace(phase.pair_work.take().unwrap_or_default());
+    }
+    diagnostics.spend(
+        MorphCollisionSystems::NarrowPhase,
+        std::mem::take(&mut hooked.duration) + start.elapsed(),
+    );
 }
 
 impl NarrowPhase {
@@ -175,11 +185,15 @@ impl NarrowPhase {
             starts: &self.starts,
             seconds: self.seconds,
             limit: self.limit,
+            counts_pairs: self.pair_work.is_some(),
         };
         let work = self.builders.run(&TaskPoolWorkers, view, &mut jobs, outcomes);
         diagnostics.stats += work.stats;
         diagnostics.swept_stats = work.swept;
         diagnostics.limited_pairs = work.limited_pairs;
+        if let Some(pairs) = &mut self.pair_work {
+            pairs.extend(work.pairs);
+        }
         unchanged
     }
 
@@ -202,9 +216,13 @@ impl NarrowPhase {
             comparisons,
             next_memories,
             starts: _,
+            pair_work,
         } = self;
         keep_memories(comparisons, contacts, memories, next_memories);
         let mut memories = memories.iter_mut().peekable();
+        let counted = if pair_work.is_some() { comparisons.len() } else { 0 };
+        let mut work = vec![QueryStats::default(); counted];
+        let mut stats = work.iter_mut();
         let mut tasks: Vec<_> = comparisons
             .iter()
             .map(|comparison| {
@@ -217,6 +235,7 @@ impl NarrowPhase {
                 let mut task = PairTask::new(a, b, wanted);
                 let memory = memories.next_if(|(pair, _)| *pair == comparison.pair);
                 task.memory = memory.map(|(_, memory)| memory);
+                task.stats = stats.next();
                 task
             })
             .collect();
@@ -234,6 +253,10 @@ impl NarrowPhase {
         }
         let found = batch.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
         diagnostics.stats += found.stats();
+        if let Some(pairs) = pair_work {
+            let counted = comparisons.iter().zip(&work);
+            pairs.extend(counted.map(|(comparison, work)| (comparison.pair, tests(work))));
+        }
         for (task, &comparison) in comparisons.iter().enumerate() {
             let triangles = found.get(task);
             let (a, b) = comparison.indices;

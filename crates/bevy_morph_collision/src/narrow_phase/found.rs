@@ -10,6 +10,7 @@ use bevy::prelude::*;
 
 use super::comparison::{Outcome, Pair};
 use super::memories::Memories;
+use crate::app::MorphCollisionSystems;
 use crate::broad_phase::{Candidates, HookedPairs};
 use crate::contacts::{MorphCollisions, MorphContact, map_pair};
 use crate::state::{MorphCollisionDiagnostics, Runs};
@@ -140,5 +141,8 @@ pub(crate) fn store_contacts(
     hooked.end_run();
     diagnostics.triangle_pairs = found.history.triangle_pairs;
     diagnostics.touching_pairs = collisions.len() as u64;
-    diagnostics.duration += take(&mut found.duration) + start.elapsed();
+    diagnostics.spend(
+        MorphCollisionSystems::NarrowPhase,
+        take(&mut found.duration) + start.elapsed(),
+    );
 }

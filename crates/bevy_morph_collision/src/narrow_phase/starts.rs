@@ -43,6 +43,8 @@ pub(super) struct RunView<'a> {
     pub(super) seconds: f64,
     /// The maximum number of triangle pairs in a contact.
     pub(super) limit: usize,
+    /// Whether the work of each pair is counted.
+    pub(super) counts_pairs: bool,
 }
 
 impl<'a> RunView<'a> {

@@ -7,7 +7,7 @@ use morph_collision::WorldFromModel;
 use tracing::{debug_span, error};
 
 use super::skeletons::CurrentSkeletons;
-use crate::app::Names;
+use crate::app::{MorphCollisionSystems, Names};
 use crate::components::{MorphCollider, MorphColliderDisabled};
 use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics};
 
@@ -57,5 +57,5 @@ pub(crate) fn read_joints(
             news.reposed.push(entity);
         }
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Weights, start.elapsed());
 }

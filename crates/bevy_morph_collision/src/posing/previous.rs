@@ -3,6 +3,7 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use crate::app::MorphCollisionSystems;
 use crate::state::{ColliderNews, ColliderState, Form, LockedPose, MorphCollisionDiagnostics, Moved, RunTimes, Runs};
 
 /// Begins a run: saves the current state of every mesh as its previous state.
@@ -28,7 +29,7 @@ pub(crate) fn remember_previous(
             }
         }
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Weights, start.elapsed());
 }
 
 fn remember(state: &mut ColliderState, runs: &Runs) {

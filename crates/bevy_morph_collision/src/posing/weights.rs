@@ -9,7 +9,7 @@ use morph_collision::{Pose, WeightsError};
 use thiserror::Error;
 use tracing::{debug_span, error};
 
-use crate::app::{Names, Rows, any_changed, ran_long_ago};
+use crate::app::{MorphCollisionSystems, Names, Rows, any_changed, ran_long_ago};
 use crate::components::MorphCollider;
 use crate::import::MorphTrees;
 use crate::state::{BadWeights, ColliderNews, ColliderState, LockedPose, MorphCollisionDiagnostics};
@@ -91,7 +91,7 @@ pub(crate) fn read_weights(
     let _span = debug_span!("morph_collision::weights").entered();
     // Bad weights are reported after some runs.
     if !changes.any() && !news.are_others && news.reposed.is_empty() && !*any_bad {
-        diagnostics.duration += start.elapsed();
+        diagnostics.spend(MorphCollisionSystems::Weights, start.elapsed());
         return;
     }
     *any_bad = false;
@@ -129,7 +129,7 @@ pub(crate) fn read_weights(
             }
         }
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Weights, start.elapsed());
 }
 
 /// Gives a pose the weights with which its mesh is drawn. Returns whether they changed. `rest` is scratch memory.

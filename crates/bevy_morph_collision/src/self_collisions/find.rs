@@ -16,6 +16,7 @@ use super::proofs::Proofs;
 use super::regions::{Changes, middle, replace};
 use super::rest::RestPairs;
 use super::state::{AnsweredFor, SelfState};
+use crate::app::MorphCollisionSystems;
 use crate::components::MorphCollisionSettings;
 use crate::state::{ColliderState, Form, MorphCollisionDiagnostics, Runs};
 
@@ -159,5 +160,5 @@ pub(crate) fn find_self_collisions(
     }
     run_all(jobs);
     rests.drop_unused();
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::NarrowPhase, start.elapsed());
 }

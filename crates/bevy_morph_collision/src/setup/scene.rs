@@ -132,7 +132,7 @@ pub(crate) fn update_scene_parts(
     let removed: Vec<Entity> = removals.read().collect();
     // Without a scene there are no parts. The search for news looks at every mesh.
     if removed.is_empty() && (hierarchy.scenes.is_empty() || !any_news(&columns)) {
-        preparation.0 += start.elapsed();
+        preparation.import += start.elapsed();
         return;
     }
     let mut roots = EntityHashSet::default();
@@ -171,7 +171,7 @@ pub(crate) fn update_scene_parts(
             }
         }
     }
-    preparation.0 += start.elapsed();
+    preparation.import += start.elapsed();
 }
 
 impl PartNowItem<'_, '_> {

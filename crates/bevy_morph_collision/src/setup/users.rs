@@ -9,7 +9,7 @@ use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::app::{Rows, any_added, any_changed, has, ran_long_ago};
+use crate::app::{MorphCollisionSystems, Rows, any_added, any_changed, has, ran_long_ago};
 use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
 use crate::import::{MorphTrees, TreeKey};
 use crate::state::{ColliderNews, ColliderState, MorphCollisionDiagnostics, Preparation, Runs};
@@ -111,7 +111,7 @@ pub(crate) fn request_trees(
             trees.request(key, entity);
         }
     }
-    preparation.0 += start.elapsed();
+    preparation.import += start.elapsed();
 }
 
 /// Drops unused trees of a mesh while another tree of that mesh is in use. Runs only when a use may have ended or a tree is new.
@@ -209,5 +209,5 @@ pub(crate) fn hand_out_trees(
             }
         }
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Weights, start.elapsed());
 }

@@ -5,6 +5,9 @@ use std::time::Duration;
 use bevy::prelude::*;
 use morph_collision::QueryStats;
 
+use super::stage_times::MorphStageTimes;
+use crate::app::MorphCollisionSystems;
+
 /// What the plugin did in its last run. All counts are for that run only.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
@@ -50,16 +53,29 @@ pub struct MorphCollisionDiagnostics {
     pub swept_stats: QueryStats,
     /// Time spent in the plugin's systems, without building trees.
     pub duration: Duration,
+    /// The same time by stage.
+    pub times: MorphStageTimes,
+}
+
+impl MorphCollisionDiagnostics {
+    /// Adds the time of a system.
+    pub(crate) fn spend(&mut self, stage: MorphCollisionSystems, time: Duration) {
+        self.duration += time;
+        *self.times.of_mut(stage) += time;
+    }
 }
 
 /// Time spent on updating colliders, scenes and anchors since the last run began. They are updated in every frame, even without a
 /// run.
 #[derive(Resource, Default)]
-pub(crate) struct Preparation(pub(crate) Duration);
+pub(crate) struct Preparation {
+    pub(crate) import: Duration,
+    pub(crate) anchors: Duration,
+}
 
 pub(crate) fn begin_run(mut diagnostics: ResMut<MorphCollisionDiagnostics>, mut preparation: ResMut<Preparation>) {
-    *diagnostics = MorphCollisionDiagnostics {
-        duration: std::mem::take(&mut preparation.0),
-        ..default()
-    };
+    let Preparation { import, anchors } = std::mem::take(&mut *preparation);
+    *diagnostics = MorphCollisionDiagnostics::default();
+    diagnostics.spend(MorphCollisionSystems::Import, import);
+    diagnostics.spend(MorphCollisionSystems::Anchors, anchors);
 }

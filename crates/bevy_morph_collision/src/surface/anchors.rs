@@ -8,7 +8,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::{Body, Pose, SurfaceAnchor, WorldFromModel};
 
-use crate::components::{MorphCollider, MorphShape, MorphTreeOptions};
+use crate::components::{MorphCollider, MorphShape, MorphTreeOptions, MorphUnit};
 use crate::import::{MorphTrees, TreeKey};
 use crate::posing::{AllSkins, BindPoses, LentPoses, Skeletons, take_weights};
 use crate::spatial::MorphRayHit;
@@ -55,6 +55,7 @@ pub struct MorphSurfaceAnchor {
     /// The barycentric coordinates of the point in the triangle.
     pub barycentrics: Vec3,
     /// The distance from the surface along its normal, in world units.
+    #[reflect(@MorphUnit::Length)]
     pub offset: f32,
     /// Whether the entity turns with the surface: +Y points along the normal and +X along the triangle's first edge.
     pub align: bool,
@@ -201,7 +202,7 @@ pub(crate) fn move_anchors(
             surfaces.skeletons.outdate();
         }
     }
-    preparation.0 += start.elapsed();
+    preparation.anchors += start.elapsed();
 }
 
 /// The position of an anchor, and the surface's tangent and normal if the anchor turns with them.

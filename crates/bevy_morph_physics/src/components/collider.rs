@@ -1,9 +1,14 @@
 //! The component that makes a mesh take part in physics.
 
+use std::ops::RangeInclusive;
+
 use bevy::prelude::*;
-use bevy_morph_collision::components::{MorphCollider, MorphCollisionMode};
+use bevy_morph_collision::components::{MorphCollider, MorphCollisionMode, MorphUnit};
 
 use super::engine_check::check_engine;
+
+/// What [`MorphPhysicsCollider::max_acceleration`] may be.
+pub(crate) const ACCELERATIONS: RangeInclusive<f32> = 0.0..=f32::INFINITY;
 
 /// Makes the mesh of a [`MorphCollider`] a collider of the physics engine: bodies collide with it as it deforms.
 ///
@@ -42,6 +47,8 @@ pub struct MorphPhysicsCollider {
     /// 100, ten times the acceleration of a fall.
     ///
     /// To say that a change is no motion however small it is, insert [`MorphTeleported`](bevy_morph_collision::components::MorphTeleported).
+    /// Not negative. The log says so once if it is, and the last good value stays in use.
+    #[reflect(@ACCELERATIONS, @MorphUnit::Acceleration)]
     pub max_acceleration: f32,
     /// Whether a closed mesh has an inside. The default is `false`.
     ///

@@ -7,6 +7,7 @@ mod engine_check;
 mod scene;
 
 pub use character::MorphCharacterGround;
+pub(crate) use collider::ACCELERATIONS;
 pub use collider::MorphPhysicsCollider;
 pub use diagnostics::MorphPhysicsDiagnostics;
 pub(crate) use engine_check::EngineCheck;

@@ -8,6 +8,7 @@ use thiserror::Error;
 use tracing::{error, warn};
 
 use super::interface::Engine;
+use crate::components::{ACCELERATIONS, MorphPhysicsCollider};
 use crate::moving::{MovingSurface, Prediction};
 use crate::shape::{MAX_COORDINATE, MassBudget, box_in_range, in_range, not_closed};
 use crate::time::{StepTime, WeightSource};
@@ -22,6 +23,10 @@ pub struct PhysicsSurface<E: Engine> {
     pub(super) bvh: Arc<MorphBvh>,
     /// Why it is out of physics, which is logged once.
     exclusion: Option<Exclusion>,
+    /// The highest plausible acceleration of the last good settings, in length units per second squared.
+    max_acceleration: f32,
+    /// Whether the log already says that the one of the settings is bad.
+    logged_acceleration: bool,
     /// Whether the log already says that it should be closed but is not.
     logged_open: bool,
 }
@@ -53,8 +58,33 @@ impl<E: Engine> PhysicsSurface<E> {
             state,
             bvh,
             exclusion: None,
+            max_acceleration: MorphPhysicsCollider::default().max_acceleration,
+            logged_acceleration: false,
             logged_open: false,
         }
+    }
+
+    /// Takes the highest plausible acceleration from the settings. If it is bad, this is logged once, and the last good one stays.
+    pub fn set_max_acceleration(
+        &mut self,
+        settings: &MorphPhysicsCollider,
+        length_unit: f32,
+        name: impl Fn() -> String,
+    ) {
+        let wanted = settings.max_acceleration;
+        let is_bad = !ACCELERATIONS.contains(&wanted);
+        if !is_bad {
+            self.max_acceleration = wanted;
+        }
+        if is_bad && !self.logged_acceleration {
+            error!(
+                "the surface of entity `{}` keeps the `max_acceleration` {}: {wanted} is negative or no number",
+                name(),
+                self.max_acceleration
+            );
+        }
+        self.logged_acceleration = is_bad;
+        self.moving.max_acceleration = self.max_acceleration * length_unit;
     }
 
     /// Moves the surface, whose entity is at `at`, to its pose at the end of the step. Returns whether it takes part in the step. If not, the

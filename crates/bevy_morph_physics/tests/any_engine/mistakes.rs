@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldAsset;
 use bevy_morph_collision::prelude::*;
 use bevy_morph_physics::prelude::*;
-use morph_collision_workspace::physics::sheet;
+use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::log::Errors;
 use crate::support::{app, run, spawn};
@@ -72,5 +72,27 @@ fn a_collider_with_a_shape_is_told_and_one_with_a_mesh_is_not() {
             warnings[0].contains("`MorphPhysicsCollider`") && warnings[0].contains("`Ball`"),
             "{warnings:?}"
         );
+    });
+}
+
+#[test]
+fn a_bad_acceleration_is_told_once_and_the_last_good_one_stays() {
+    Errors::collect(|errors| {
+        let mut app = app();
+        let surface = spawn(&mut app, &sheet(4), Name::new("Jelly"));
+        settle(&mut app);
+        let mut set = |acceleration: f32| {
+            let mut settings = app.world_mut().get_mut::<MorphPhysicsCollider>(surface).unwrap();
+            settings.max_acceleration = acceleration;
+            run(&mut app, 3);
+            errors.take()
+        };
+        for bad in [-1.0, f32::NAN, f32::NEG_INFINITY] {
+            assert_eq!(set(5.0), Vec::<String>::new());
+            let told = set(bad);
+            assert_eq!(told.len(), 1, "{told:?}");
+            assert!(told[0].contains("`Jelly` keeps the `max_acceleration` 5"), "{told:?}");
+        }
+        assert_eq!(set(f32::INFINITY), Vec::<String>::new());
     });
 }

@@ -55,7 +55,9 @@ impl ContextStep<'_> {
         }
         state.context = Some(self.context);
         let parameters = self.parameters;
-        it.surface.moving.max_acceleration = it.settings.max_acceleration * parameters.length_unit;
+        let name = || sources.name(it.entity);
+        it.surface
+            .set_max_acceleration(it.settings, parameters.length_unit, name);
         let off = it.is_morph_disabled || !advance(it, self.time, sources, world);
         let surface = &mut *it.surface;
         surface.state.switch(

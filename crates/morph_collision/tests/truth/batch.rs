@@ -229,6 +229,29 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
 }
 
 #[test]
+fn each_task_tells_its_work() {
+    // Whole pairs, and one that is cut into parts, whose cutting is not part of a task.
+    for (scene, is_cut) in [(scenes::dolphins(200), false), (scenes::pass_through(200), true)] {
+        for workers in [1, 2, 3] {
+            let mut bodies = Bodies::new(&scene);
+            let mut tasks = bodies.tasks(Wanted::All);
+            let mut works = vec![QueryStats::default(); tasks.len()];
+            for (task, work) in tasks.iter_mut().zip(&mut works) {
+                task.stats = Some(work);
+            }
+            let (_, all) = bodies.batch_counted(&mut BatchQuery::new(), &mut tasks, &threads(workers));
+            let sum = works.iter().fold(QueryStats::default(), |sum, &work| sum + work);
+            assert_eq!(sum.triangle_tests, all.triangle_tests, "{workers} threads");
+            if is_cut && workers > 1 {
+                assert!(2 * sum.node_tests > all.node_tests && sum.node_tests < all.node_tests);
+            } else {
+                assert_eq!(sum, all, "{workers} threads");
+            }
+        }
+    }
+}
+
+#[test]
 fn caches_that_are_full_are_read_and_not_filled_again() {
     // So many tasks that no pair is cut into parts; parts would have caches of their own.
     for scene in [scenes::dolphins(200), scenes::dolphins(230)] {

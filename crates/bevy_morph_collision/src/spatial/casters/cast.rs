@@ -7,7 +7,7 @@ use morph_collision::batch::QuestionBatch;
 use tracing::debug_span;
 
 use super::carrier::Carriers;
-use crate::app::{Names, WarnOnce};
+use crate::app::{MorphCollisionSystems, Names, WarnOnce};
 use crate::spatial::walker::Walker;
 use crate::spatial::{MorphQueryFilter, MorphSpatialQuery};
 use crate::state::MorphCollisionDiagnostics;
@@ -88,5 +88,5 @@ pub(super) fn cast_all<C: Caster>(
     for ((entity, ..), found) in questions.iter().zip(&answers) {
         put(*entity, found.iter().map(|found| C::hit(found, &spatial)).collect());
     }
-    diagnostics.duration += start.elapsed();
+    diagnostics.spend(MorphCollisionSystems::Casters, start.elapsed());
 }

@@ -5,6 +5,7 @@ use morph_collision::batch::QuestionBatch;
 
 use super::carrier::to_world;
 use super::cast::Caster;
+use crate::components::MorphUnit;
 use crate::spatial::rays::{Ranked, RayCast};
 use crate::spatial::walker::Walker;
 use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
@@ -45,6 +46,7 @@ pub struct MorphRayCaster {
     /// The direction, in the entity's space. Only the entity's rotation turns it, not its scale.
     pub direction: Dir3,
     /// The largest distance of hits, in world units; [`f32::MAX`] by default.
+    #[reflect(@0.0..=f32::INFINITY, @MorphUnit::Length)]
     pub max_distance: f32,
     /// How many hits are listed, nearest first; 1 by default, which takes the least time.
     pub max_hits: usize,

@@ -5,7 +5,7 @@ use morph_collision::batch::QuestionBatch;
 
 use super::carrier::to_world;
 use super::cast::Caster;
-use crate::components::MorphShape;
+use crate::components::{MorphShape, MorphUnit};
 use crate::spatial::shapes::{FirstTouch, ShapeCast};
 use crate::spatial::walker::Walker;
 use crate::spatial::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
@@ -47,6 +47,7 @@ pub struct MorphShapeCaster {
     /// The direction, in the entity's space. Only the entity's rotation turns it, not its scale.
     pub direction: Dir3,
     /// How far the shape moves at most, in world units; [`f32::MAX`] by default.
+    #[reflect(@0.0..=f32::INFINITY, @MorphUnit::Length)]
     pub max_distance: f32,
     /// How many colliders are listed, each where the shape first touches it, nearest first; 1 by default, which takes the least time.
     pub max_hits: usize,

@@ -19,10 +19,12 @@ pub struct PairTask<'m> {
     pub wanted: Wanted,
     /// The pair's memory for [`Wanted::First`]; see [`PairQuery::first_with`].
     pub memory: Option<&'m mut PairMemory>,
+    /// Where to add the work of this task. For a cut pair, it is that of its parts.
+    pub stats: Option<&'m mut QueryStats>,
 }
 
 impl PairTask<'_> {
-    /// Creates a task without memory.
+    /// Creates a task without memory, whose work is not told.
     #[must_use]
     pub fn new(a: usize, b: usize, wanted: Wanted) -> Self {
         Self {
@@ -30,6 +32,7 @@ impl PairTask<'_> {
             b,
             wanted,
             memory: None,
+            stats: None,
         }
     }
 }

@@ -46,7 +46,7 @@ pub(super) struct Batch<'a, 'b, 'm> {
     /// The schedule never gives out two whole tasks with a common body at the same time, so whole tasks never wait for each other. Parts
     /// lock their bodies only to copy the state of their poses.
     bodies: Vec<Mutex<&'a mut Body<'b>>>,
-    /// These locks never wait: each whole task is done once.
+    /// These locks never wait for long: each whole task is done once, and parts only add their work.
     tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
     schedule: Schedule,
@@ -80,7 +80,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
                 let Unit { task, part } = self.plan.units[index];
                 let is_truncated = match part {
                     None => self.whole(task, worker),
-                    Some((large, part)) => self.part(large, part, worker),
+                    Some(part) => self.part(task, part, worker),
                 };
                 worker.done.push(Done {
                     unit: index,
@@ -116,12 +116,15 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
             (wanted, _) => query.up_to(a, b, wanted.limit(), found),
         };
         *stats += query.stats();
+        if let Some(of_task) = &mut task.stats {
+            **of_task += query.stats();
+        }
         tally.add(task.wanted, true, query.stats());
         is_truncated
     }
 
     /// Does a part of a large pair, up to the whole task's limit; returns whether there are more pairs.
-    fn part(&self, number: usize, part: usize, worker: &mut Worker) -> bool {
+    fn part(&self, task: usize, (number, part): (usize, usize), worker: &mut Worker) -> bool {
         let large = &self.plan.large_pairs[number];
         if large.is_full_before(part) {
             return false;
@@ -141,6 +144,9 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         worker.query.run(a, b, start, &mut |pair| listed.push(pair));
         let is_truncated = listed.is_truncated;
         worker.stats += worker.query.stats();
+        if let Some(of_task) = &mut locked(&self.tasks[task]).stats {
+            **of_task += worker.query.stats();
+        }
         worker.tally.add(Wanted::All, false, worker.query.stats());
         let found = worker.found.len() - before + usize::from(is_truncated);
         large.found[part].store(found, Ordering::Relaxed);

@@ -30,7 +30,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugin, layers > step, characters > surface > push > isometry, whole_surface
+//! plugin, layers > step, characters, collisions > surface > push > isometry, whole_surface
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -38,6 +38,7 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 mod characters;
+mod collisions;
 mod isometry;
 mod layers;
 mod plugin;
@@ -48,6 +49,7 @@ mod whole_surface;
 
 pub use bevy_morph_physics::{MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene};
 pub use characters::MorphAvianCarry;
+pub use collisions::{MorphAvianCollisions, MorphAvianContacts};
 pub use layers::MorphAvianLayers;
 pub use plugin::{MorphAvianPlugin, MorphAvianSystems, ScheduledMorphAvianPlugin};
 pub use push::MorphAvianPart;
@@ -55,7 +57,9 @@ pub use surface::MorphAvianVelocity;
 
 /// What a game with Avian names.
 pub mod prelude {
-    pub use crate::{MorphAvianCarry, MorphAvianLayers, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity};
+    pub use crate::{
+        MorphAvianCarry, MorphAvianCollisions, MorphAvianLayers, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity,
+    };
     pub use bevy_morph_physics::prelude::*;
 }
 

@@ -49,6 +49,8 @@ mod whole_surface;
 
 pub use bevy_morph_physics::{MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene};
 pub use characters::MorphAvianCarry;
+#[cfg(feature = "tnua")]
+pub use characters::MorphTnuaPlugin;
 pub use collisions::{MorphAvianCollisions, MorphAvianContacts};
 pub use layers::MorphAvianLayers;
 pub use plugin::{MorphAvianPlugin, MorphAvianSystems, ScheduledMorphAvianPlugin};
@@ -57,6 +59,8 @@ pub use surface::MorphAvianVelocity;
 
 /// What a game with Avian names.
 pub mod prelude {
+    #[cfg(feature = "tnua")]
+    pub use crate::MorphTnuaPlugin;
     pub use crate::{
         MorphAvianCarry, MorphAvianCollisions, MorphAvianLayers, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity,
     };

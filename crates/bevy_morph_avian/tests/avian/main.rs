@@ -36,4 +36,6 @@ mod solid;
 mod stage;
 mod support;
 mod times;
+#[cfg(feature = "tnua")]
+mod tnua;
 mod units;

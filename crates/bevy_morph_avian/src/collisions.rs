@@ -18,8 +18,8 @@ use crate::surface::{AvianSurface, Touch};
 /// Read it before or after Avian's step, or within the step after the narrow phase. Nothing is allocated. Where a method takes an entity, a
 /// [`MorphAvianPart`] stands for its surface.
 ///
-/// A system cannot have this parameter next to `Collisions` or a mutable `ContactGraph`: use [`graph`](Self::graph). It needs a `ParamSet` for this
-/// parameter and [`MorphAvianVelocity`](crate::MorphAvianVelocity).
+/// A system cannot have this parameter next to `Collisions` or a mutable `ContactGraph`: use [`graph`](Self::graph). It needs a
+/// `ParamSet` for this parameter and [`MorphAvianVelocity`](crate::MorphAvianVelocity).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -32,7 +32,7 @@ use crate::surface::{AvianSurface, Touch};
 ///         for contacts in collisions.collisions_with(trampoline) {
 ///             let impulse = contacts.total_normal_impulse_magnitude();
 ///             if impulse > 5.0 {
-///                 println!("{} lands with {impulse}", contacts.collider2);
+///                 println!("{} lands with {impulse}", contacts.other(trampoline));
 ///             }
 ///         }
 ///     }
@@ -80,7 +80,8 @@ impl MorphAvianCollisions<'_, '_> {
         active.chain(sleeping).filter_map(|pair| self.named(pair))
     }
 
-    /// The pairs of a collider or surface with what it touches, each once. Visits the collider's pairs in Avian, and for a surface also what touches its parts.
+    /// The pairs of a collider or surface with what it touches, each once. Visits the collider's pairs in Avian, and for a surface also
+    /// what touches its parts.
     pub fn collisions_with(&self, entity: Entity) -> impl Iterator<Item = MorphAvianContacts<'_>> {
         let entity = self.without_parts(entity);
         let touches = self.touching(entity).into_iter().flat_map(|touching| touching.values());
@@ -171,7 +172,8 @@ impl<'a> MorphAvianContacts<'a> {
         }
     }
 
-    /// Avian's pairs: one, or one for each part of the surface that the collider touches. A part may be the first or the second collider of its pair.
+    /// Avian's pairs: one, or one for each part of the surface that the collider touches. A part may be the first or the second collider
+    /// of its pair.
     pub fn pairs(&self) -> impl Iterator<Item = &'a ContactPair> + use<'a> {
         let (surface, collider) = (self.collider1, self.collider2);
         let only = self.others.is_none().then_some(self.pair);

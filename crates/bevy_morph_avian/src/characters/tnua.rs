@@ -24,9 +24,9 @@ use crate::surface::MorphAvianVelocity;
 /// ```
 ///
 /// Between Tnua's sensors and its logic, it writes the velocity of the surface at the sensor's hit into
-/// `TnuaProximitySensorOutput::entity_linvel`, where Tnua's backend has written that of the entity's body. The hit is where the ray ends. For a
-/// shape (`TnuaAvian3dSensorShape`), it is the point of the surface closest to the middle of the shape. Velocities are those of the last step. On a dynamic
-/// body, the output stays as it is.
+/// `TnuaProximitySensorOutput::entity_linvel`, where Tnua's backend has written that of the entity's body. The hit is where the ray ends.
+/// For a shape (`TnuaAvian3dSensorShape`), it is the point of the surface closest to the middle of the shape. Velocities are those of the
+/// last step. On a dynamic body, the output stays as it is.
 ///
 /// Costs one closest point for each hit on a surface.
 #[derive(Clone, Copy, Debug)]

@@ -162,7 +162,7 @@ fn without_the_plugin_a_surface_slides_away_below_a_floating_character() {
 /// The velocity that a sensor gets for a hit at `(x, 0, 0)`, as an output and as a ghost, if Tnua's backend has written `Vec3::Z`. `frame` runs a
 /// frame.
 fn sensed(app: &mut App, x: f32, entity: Entity, mut frame: impl FnMut(&mut App)) -> Vec3 {
-    let at = Transform::from_xyz(x, 2.0, 0.0).with_scale(Vec3::new(1.0, 0.5, 1.0));
+    let at = Transform::from_xyz(0.0, 2.0, 0.0).with_scale(Vec3::splat(0.5));
     let owner = app
         .world_mut()
         .spawn((RigidBody::Static, Collider::sphere(0.1), at))
@@ -176,7 +176,7 @@ fn sensed(app: &mut App, x: f32, entity: Entity, mut frame: impl FnMut(&mut App)
     };
     let sensor = TnuaProximitySensor {
         // The owner's scale halves it.
-        cast_origin: Vec3::NEG_Y * 2.0,
+        cast_origin: Vec3::new(2.0 * x, -2.0, 0.0),
         output: Some(hit.clone()),
         ..default()
     };

@@ -72,7 +72,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugin, layers > step, characters, collisions > surface > push > isometry, whole_surface
+//! tnua > plugin, layers > step, characters, collisions > surface > push > isometry, whole_surface
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -87,17 +87,19 @@ mod plugin;
 mod push;
 mod step;
 mod surface;
+#[cfg(feature = "tnua")]
+mod tnua;
 mod whole_surface;
 
 pub use bevy_morph_physics::{MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene};
 pub use characters::MorphAvianCarry;
-#[cfg(feature = "tnua")]
-pub use characters::MorphTnuaPlugin;
 pub use collisions::{MorphAvianCollisions, MorphAvianContacts};
 pub use layers::MorphAvianLayers;
 pub use plugin::{MorphAvianPlugin, MorphAvianSystems, ScheduledMorphAvianPlugin};
 pub use push::MorphAvianPart;
 pub use surface::MorphAvianVelocity;
+#[cfg(feature = "tnua")]
+pub use tnua::MorphTnuaPlugin;
 
 /// What a game with Avian names.
 pub mod prelude {

@@ -7,7 +7,7 @@ use bevy_tnua_physics_integration_layer::data_for_backends::{TnuaGhostSensor, Tn
 use bevy_tnua_physics_integration_layer::math::{AdjustPrecision, AsF32};
 use bevy_tnua_physics_integration_layer::{TnuaPipelineSystems, TnuaSystems};
 
-use crate::MorphAvianSystems;
+use crate::plugin::MorphAvianSystems;
 use crate::surface::MorphAvianVelocity;
 
 /// Lets surfaces carry the characters of `bevy-tnua` (feature `tnua`).

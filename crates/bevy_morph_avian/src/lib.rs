@@ -15,13 +15,55 @@
 //! # }
 //! ```
 //!
-//! - [`MorphPhysicsCollider`] makes a mesh collide, [`MorphPhysicsScene`] the deforming meshes of a scene. Avian's other collider components
-//!   apply as usual: `Friction`, `Restitution`, `CollisionMargin`, `Sensor`, `CollisionLayers`, `CollisionEventsEnabled`,
+//! - [`MorphPhysicsCollider`] makes a mesh collide, [`MorphPhysicsScene`] the deforming meshes of a scene. Avian's other collider
+//!   components apply as usual: `Friction`, `Restitution`, `CollisionMargin`, `Sensor`, `CollisionLayers`, `CollisionEventsEnabled`,
 //!   `CollidingEntities`, `ActiveCollisionHooks`, `ColliderDisabled`.
 //! - [`MorphAvianCarry`] lets surfaces carry a character that your game moves itself, for example with `MoveAndSlide`.
+//! - [`MorphAvianCollisions`] lists contacts with surfaces, as Avian's `Collisions` does with other colliders.
 //! - [`MorphAvianVelocity`] reads the velocity of a surface, for other character controllers.
 //! - [`MorphAvianLayers`] converts collision layers.
 //! - [`MorphAvianPart`] marks the bodies with which surfaces push, which you can see in Avian's `ContactGraph`.
+//!
+//! # Contacts
+//!
+//! Avian's `Collisions` lists contacts with parts. [`MorphAvianCollisions`] has the same methods and lists surfaces instead:
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_morph_avian::prelude::*;
+//! # #[derive(Component)]
+//! # struct Player;
+//! fn under_the_feet(player: Single<Entity, With<Player>>, collisions: MorphAvianCollisions) {
+//!     for contacts in collisions.collisions_with(*player) {
+//!         let impulse = contacts.total_normal_impulse_magnitude();
+//!         println!("{} carries {impulse}", contacts.other(*player));
+//!     }
+//! }
+//! # bevy::ecs::system::assert_is_system(under_the_feet);
+//! ```
+//!
+//! # Characters of Tnua
+//!
+//! With the feature `tnua`, surfaces also carry the floating characters of `bevy-tnua`. Add a `MorphTnuaPlugin` in the schedule of Tnua's
+//! plugins:
+//!
+#![cfg_attr(feature = "tnua", doc = "```")]
+#![cfg_attr(not(feature = "tnua"), doc = "```ignore")]
+//! # use avian3d::prelude::*;
+//! # use bevy::prelude::*;
+//! # use bevy_morph_avian::prelude::*;
+//! # use bevy_tnua::prelude::*;
+//! # #[derive(TnuaScheme)]
+//! # #[scheme(basis = TnuaBuiltinWalk)]
+//! # enum Controls {}
+//! # let mut app = App::new();
+//! # app.add_plugins(AssetPlugin::default());
+//! app.add_plugins(TnuaControllerPlugin::<Controls>::new(PhysicsSchedule))
+//!     // .add_plugins(TnuaAvian3dPlugin::new(PhysicsSchedule))
+//!     .add_plugins(MorphTnuaPlugin::new(PhysicsSchedule));
+//! ```
+//!
+//! # How it works
 //!
 //! The crate [`bevy_morph_physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
 //!
@@ -30,7 +72,7 @@
 //! A folder uses only those to its right:
 //!
 //! ```text
-//! plugin, layers > step, characters > surface > push > isometry, whole_surface
+//! tnua > plugin, layers > step, characters, collisions > surface > push > isometry, whole_surface
 //! ```
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -38,24 +80,34 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 mod characters;
+mod collisions;
 mod isometry;
 mod layers;
 mod plugin;
 mod push;
 mod step;
 mod surface;
+#[cfg(feature = "tnua")]
+mod tnua;
 mod whole_surface;
 
 pub use bevy_morph_physics::{MorphCharacterGround, MorphPhysicsCollider, MorphPhysicsDiagnostics, MorphPhysicsScene};
 pub use characters::MorphAvianCarry;
+pub use collisions::{MorphAvianCollisions, MorphAvianContacts};
 pub use layers::MorphAvianLayers;
 pub use plugin::{MorphAvianPlugin, MorphAvianSystems, ScheduledMorphAvianPlugin};
 pub use push::MorphAvianPart;
 pub use surface::MorphAvianVelocity;
+#[cfg(feature = "tnua")]
+pub use tnua::MorphTnuaPlugin;
 
 /// What a game with Avian names.
 pub mod prelude {
-    pub use crate::{MorphAvianCarry, MorphAvianLayers, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity};
+    #[cfg(feature = "tnua")]
+    pub use crate::MorphTnuaPlugin;
+    pub use crate::{
+        MorphAvianCarry, MorphAvianCollisions, MorphAvianLayers, MorphAvianPart, MorphAvianPlugin, MorphAvianVelocity,
+    };
     pub use bevy_morph_physics::prelude::*;
 }
 

@@ -1,5 +1,6 @@
 //! What this crate keeps for each surface.
 
+use avian3d::collision::contact_types::ContactId;
 use avian3d::prelude::RigidBody;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -39,12 +40,20 @@ pub(crate) type AvianSurface = PhysicsSurface<Avian>;
 /// ```
 pub type MorphAvianVelocity<'w, 's> = MorphSurfaceVelocity<'w, 's, Avian>;
 
+/// A collider that touches parts of a surface.
+#[derive(Clone, Copy)]
+pub(crate) struct Touch {
+    pub(crate) body: Option<Entity>,
+    /// One of its contacts with parts, which stands for all of them.
+    pub(crate) contact: ContactId,
+}
+
 /// The state of a surface.
 #[allow(missing_debug_implementations)]
 pub struct AvianState {
     pub(crate) pushing: Pushing,
-    /// What its parts touch: colliders, with their bodies.
-    pub(crate) touching: HashMap<Entity, Option<Entity>>,
+    /// The colliders that its parts touch.
+    pub(crate) touching: HashMap<Entity, Touch>,
     /// Whether contacts are made with the whole surface. Its collider stores the same.
     pub(crate) has_contacts: bool,
 }

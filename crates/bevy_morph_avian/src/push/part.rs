@@ -15,8 +15,8 @@ use super::material::ContactMaterial;
 
 /// A part of a [`MorphPhysicsCollider`](crate::MorphPhysicsCollider)'s surface, near a body that may move.
 ///
-/// Parts are kinematic bodies that the plugin spawns, moves and despawns. Events name their surface instead, and queries do not
-/// see them. You can see them in Avian's `ContactGraph` and `Collisions`, and `CollisionHooks` receive them.
+/// Parts are kinematic bodies that the plugin spawns, moves and despawns. Events and
+/// [`MorphAvianCollisions`](crate::MorphAvianCollisions) name their surface instead, and queries do not see them. You can see them in Avian's `ContactGraph` and `Collisions`, and `CollisionHooks` receive them.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[component(immutable)]

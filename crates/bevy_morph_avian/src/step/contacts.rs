@@ -14,7 +14,7 @@ use bevy::prelude::*;
 
 use super::stepping::Stepping;
 use crate::push::MorphAvianPart;
-use crate::surface::AvianSurface;
+use crate::surface::{AvianSurface, Touch};
 
 /// Before contacts are updated: prevents Avian from reusing contacts of colliders that changed, from sending events for parts, and
 /// from computing contacts between parts.
@@ -121,7 +121,7 @@ pub(crate) fn report_contacts(
     graph: Res<ContactGraph>,
     mut surfaces: Query<(Entity, &mut AvianSurface), Allow<Disabled>>,
     mut report: ContactReport,
-    mut touching: Local<HashMap<Entity, Option<Entity>>>,
+    mut touching: Local<HashMap<Entity, Touch>>,
 ) {
     for (entity, mut surface) in &mut surfaces {
         if surface.state.pushing.is_idle() && surface.state.touching.is_empty() {
@@ -133,7 +133,8 @@ pub(crate) fn report_contacts(
                 let (other, body) = other_side(contact, part);
                 // Parts also touch things that the surface itself never does, such as walls.
                 if surface.state.pushing.is_near(other) {
-                    touching.insert(other, body);
+                    let contact = contact.id;
+                    touching.insert(other, Touch { body, contact });
                 }
                 if let Ok(mut colliding) = report.colliding.get_mut(other)
                     && colliding.contains(&part)
@@ -143,11 +144,11 @@ pub(crate) fn report_contacts(
             }
         }
         let before = &mut surface.state.touching;
-        for (&other, &body) in before.iter().filter(|(other, _)| !touching.contains_key(*other)) {
-            report.ended(entity, other, body);
+        for (&other, touch) in before.iter().filter(|(other, _)| !touching.contains_key(*other)) {
+            report.ended(entity, other, touch.body);
         }
-        for (&other, &body) in touching.iter().filter(|(other, _)| !before.contains_key(*other)) {
-            report.started(entity, other, body);
+        for (&other, touch) in touching.iter().filter(|(other, _)| !before.contains_key(*other)) {
+            report.started(entity, other, touch.body);
         }
         std::mem::swap(before, &mut touching);
     }
@@ -162,8 +163,8 @@ pub(crate) fn remove_parts(
 ) {
     if let Ok(mut surface) = surfaces.get_mut(removed.entity) {
         surface.state.pushing.stop(&mut commands);
-        for (other, body) in surface.state.touching.drain() {
-            report.ended(removed.entity, other, body);
+        for (other, touch) in surface.state.touching.drain() {
+            report.ended(removed.entity, other, touch.body);
         }
     }
 }

@@ -16,6 +16,7 @@ extern crate self as morph_collision_workspace;
 #[path = "../../../bevy_morph_physics/tests/any_engine/mod.rs"]
 mod any_engine;
 mod characters;
+mod collisions;
 #[cfg(feature = "cookbook")]
 mod cookbook;
 mod events;
@@ -35,4 +36,6 @@ mod solid;
 mod stage;
 mod support;
 mod times;
+#[cfg(feature = "tnua")]
+mod tnua;
 mod units;

@@ -62,11 +62,33 @@ fn colliders_shapes_and_casters_accept_their_ranges() {
         for name in ["margin", "tolerance"] {
             check::<MorphCollider>(errors, (MorphShape::default(), MorphCollider::default()), "", name);
         }
-        check::<MorphShape>(errors, MorphShape::default(), "Ball", "radius");
-        let capsule = MorphShape::from(Capsule3d::new(0.5, 1.0));
-        check::<MorphShape>(errors, capsule, "Capsule", "radius");
-        check::<MorphShape>(errors, capsule, "Capsule", "half_length");
-        check::<MorphShape>(errors, MorphShape::from(Cuboid::default()), "Cuboid", "half_extents");
+        let cuboid = Cuboid::default();
+        let frustum = ConicalFrustum::default();
+        let shapes: [(MorphShape, &str, &[&str]); 7] = [
+            (MorphShape::default(), "Ball", &["radius"]),
+            (Capsule3d::default().into(), "Capsule", &["radius", "half_length"]),
+            (cuboid.into(), "Cuboid", &["half_extents"]),
+            (
+                MorphShape::RoundCuboid {
+                    half_extents: cuboid.half_size,
+                    border_radius: 0.1,
+                },
+                "RoundCuboid",
+                &["half_extents", "border_radius"],
+            ),
+            (Cylinder::default().into(), "Cylinder", &["radius", "half_height"]),
+            (Cone::default().into(), "Cone", &["radius", "half_height"]),
+            (
+                frustum.into(),
+                "ConicalFrustum",
+                &["bottom_radius", "top_radius", "half_height"],
+            ),
+        ];
+        for (shape, variant, fields) in shapes {
+            for field in fields {
+                check::<MorphShape>(errors, shape.clone(), variant, field);
+            }
+        }
         check::<MorphRayCaster>(errors, MorphRayCaster::default(), "", "max_distance");
         check::<MorphShapeCaster>(errors, MorphShapeCaster::default(), "", "max_distance");
     });

@@ -35,7 +35,7 @@ impl Held {
     pub(super) fn memory(&self) -> HeldMemory {
         HeldMemory {
             pose: self.pose.as_ref().map(LockedPose::snapshot),
-            placed: self.placed,
+            placed: self.placed.clone(),
             before: self.before.clone(),
             tolerance: self.tolerance,
         }
@@ -47,7 +47,7 @@ impl Held {
         LockedPose::restore(&mut pose, memory.pose.as_ref());
         Self {
             pose,
-            placed: memory.placed,
+            placed: memory.placed.clone(),
             before: memory.before.clone(),
             tolerance: memory.tolerance,
         }

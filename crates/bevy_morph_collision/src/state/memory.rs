@@ -29,7 +29,7 @@ impl ColliderState {
             tree: self.tree,
             pose: self.pose.as_ref().map(LockedPose::snapshot),
             has_joints: self.has_joints,
-            placed: self.placed,
+            placed: self.placed.clone(),
             held: self.held.as_deref().map(Held::memory),
             previous: self.previous.clone(),
             freshness: self.freshness,
@@ -49,7 +49,7 @@ impl ColliderState {
         self.tree = memory.tree;
         LockedPose::restore(&mut self.pose, memory.pose.as_ref());
         self.has_joints = memory.has_joints;
-        self.placed = memory.placed;
+        self.placed.clone_from(&memory.placed);
         let held = self.held.take();
         self.held = (memory.held.as_ref()).map(|memory| Box::new(Held::restored(held, memory)));
         self.previous = memory.previous.clone();

@@ -69,6 +69,11 @@ fn shape(stage: &mut Stage) -> MorphShape {
         MorphShape::Cuboid {
             half_extents: Vec3::new(size, 0.3, 0.4),
         },
+        MorphShape::Cone {
+            half_height: size,
+            radius: 0.3,
+        },
+        MorphShape::from(MorphConvexHull::new(&[Vec3::X, Vec3::Y, Vec3::Z, -size * Vec3::ONE]).expect("it is a solid")),
     ];
     one_of(stage, &shapes)
 }

@@ -283,7 +283,15 @@ fn shapes_that_turn_touch_what_is_on_their_arc() {
                 );
                 let last_free = first.map_or(1.0, |first| shares[first]);
                 assert!(hit.time <= last_free + 1e-5, "{hit:?} {last_free}");
-                assert!(first.is_none_or(|first| first == 0 || hit.time > shares[first - 1] - 1e-5));
+                let turn = Quat::from_scaled_axis(motion.rotation * hit.time);
+                let at = hand + turn * (middle - hand) + motion.translation * hit.time;
+                let thicker = MorphShape::Cuboid {
+                    half_extents: Vec3::new(0.051, 3.001, 0.051),
+                };
+                let met = ask(&mut app, move |s| {
+                    s.shape_intersections(&thicker, at, turn * rotation, &any())
+                });
+                assert!(met.contains(&hit.entity), "{hit:?} is too early");
             }
             (None, Some(first)) => panic!("missed something at {first}"),
         }

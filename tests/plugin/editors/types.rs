@@ -282,7 +282,7 @@ fn every_field_can_be_read_and_changed() {
                 assert_eq!(app.mutate(entity, &path, "", &capsule), Ok(()));
                 assert_eq!(app.get(entity, &path), Ok(capsule));
                 let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                let hull = json!({ "ConvexHull": [corners] });
+                let hull = json!({ "ConvexHull": corners });
                 assert_eq!(app.mutate(entity, &path, "", &hull), Ok(()));
                 assert_eq!(
                     app.get(entity, &path).expect("it was read before")["ConvexHull"]

@@ -57,7 +57,7 @@ fn contacts_are_those_with_the_surface_each_once() {
     bodies.push(app.world_mut().spawn((trigger, Transform::default())).id());
     let (mut most_parts, mut sides) = (0, HashSet::new());
     for i in 0..90 {
-        let height = 0.05 * (0.2 * i as f32).sin();
+        let height = 0.2 * (0.2 * i as f32).sin();
         set_weights(&mut app, surface, &[height, 0.0]);
         set_weights(&mut app, other, &[-height, 0.0]);
         run(&mut app, 1);

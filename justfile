@@ -53,6 +53,7 @@ features:
     for feature in "" gltf picking gizmos diagnostics diagnostic_ui; do
         cargo check -p bevy_morph_collision --no-default-features --features "$feature"
     done
+    for feature in "" tnua; do cargo check -p bevy_morph_avian --no-default-features --features "$feature"; done
 
 # Packages the published crates and builds each one from its package (the last one compiles Bevy).
 package:

@@ -175,6 +175,10 @@ demo-check:
     echo "$netcode"
     grep -Eq '"is_in_sync": *true' <<< "$netcode"
 
+# Tries every feature with every kind of collider, and writes docs/combinations.md.
+combinations:
+    MORPH_COLLISION_STORE_TABLES=1 cargo test --workspace --test plugin -- combinations --nocapture
+
 # Regenerates the pictures of README and docs, with or without a GPU or display.
 pictures:
     #!/usr/bin/env bash

@@ -9,6 +9,7 @@ mod bounds;
 mod broken_meshes;
 mod changes;
 mod collapsed;
+mod combinations;
 mod compressed;
 mod continuous;
 #[cfg(feature = "render")]

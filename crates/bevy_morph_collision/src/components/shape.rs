@@ -36,8 +36,20 @@ const SIZES: RangeInclusive<f32> = 0.0..=1e37;
 ///   a cone is scaled along y. A radius takes the largest scale of the axes around which it is round.
 /// - Shear is ignored: a sheared shape keeps its right angles. Only the plane of a half-space follows it.
 ///
-/// For a compound, give a body several colliders: children of one entity, each with a shape, under a
-/// [`MorphBodyRoot`](crate::components::MorphBodyRoot).
+/// For a compound, give a body several colliders:
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn spawn_dumbbell(mut commands: Commands) {
+///     let body = commands.spawn(Transform::default()).id();
+///     for x in [-1.0, 1.0] {
+///         let ball = (MorphShape::Ball { radius: 0.4 }, Transform::from_xyz(x, 0.0, 0.0));
+///         commands.spawn((ball, ChildOf(body), MorphColliderOf { body }));
+///     }
+/// }
+/// # App::new().add_systems(Startup, spawn_dumbbell);
+/// ```
 ///
 /// Two shapes never collide with each other; leave that to a physics engine.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]

@@ -59,6 +59,9 @@
 //! # App::new().add_systems(Startup, spawn);
 //! ```
 //!
+//! A [`MorphShape`](components::MorphShape) is a rigid ball, capsule, box, cylinder, cone, half-space or convex hull of a mesh
+//! ([`MorphConvexHull`](components::MorphConvexHull)), and comes from Bevy's primitives with `From`. Several of them make a compound.
+//!
 //! [`MorphCollisionLayers`](components::MorphCollisionLayers) decide what collides with what. For rules that depend on more than that, such as
 //! teams, owners and one-way surfaces, there are [hooks](hooks::MorphCollisionHooks).
 //!
@@ -79,8 +82,8 @@
 //! # App::new().add_systems(Update, sparks);
 //! ```
 //!
-//! A [`continuous`](components::MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
-//! it unnoticed. [`MorphTeleported`](components::MorphTeleported) says that an entity did not move but was put somewhere else, also to physics.
+//! A [`continuous`](components::MorphCollider::continuous) collider, a mesh or a shape, is also compared on its way from the last run, so nothing
+//! passes through it unnoticed. [`MorphTeleported`](components::MorphTeleported) says that an entity did not move but was put somewhere else, also to physics.
 //! [`MorphSelfCollisions`](self_collisions::MorphSelfCollisions) reports where a mesh intersects itself.
 //!
 //! ## Ask about the surface
@@ -101,7 +104,7 @@
 //! ```
 //!
 //! [`MorphRayCaster`](spatial::MorphRayCaster) and [`MorphShapeCaster`](spatial::MorphShapeCaster) are components that do it in every run: on an eye, a
-//! foot or a camera.
+//! foot or a camera. [`cast_moving_shape`](spatial::MorphSpatialQuery::cast_moving_shape) swings a shape that turns, such as a sword.
 //!
 //! [`MorphSurfaceAnchor`](surface::MorphSurfaceAnchor) keeps an entity on the surface: a hat, a decal. With `MorphPickingPlugin` (feature `picking`), pointers
 //! hit meshes as they are drawn. [`MorphBoundsPlugin`](bounds::MorphBoundsPlugin) keeps Bevy's `Aabb` around what is drawn, for culling.
@@ -113,7 +116,7 @@
 //!
 //! - `bevy_morph_rapier` has `MorphRapierPlugin`: rigid bodies and character controllers of `bevy_rapier3d` collide with the surface.
 //! - `bevy_morph_avian` has `MorphAvianPlugin`: so do rigid bodies of `avian3d`. `MorphAvianCarry` carries characters that use Avian's
-//!   `MoveAndSlide`.
+//!   `MoveAndSlide`, and `MorphTnuaPlugin` those of `bevy-tnua`. `MorphAvianCollisions` lists Avian's contacts with surfaces.
 //!
 //! [`physics_api`] is for crates that connect another engine.
 //!
@@ -309,8 +312,8 @@ pub mod prelude {
     };
     pub use crate::setup::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
     pub use crate::spatial::{
-        MorphQueryFilter, MorphRayCaster, MorphRayHit, MorphRayHits, MorphShapeCaster, MorphShapeHit, MorphShapeHits,
-        MorphSpatialQuery,
+        MorphMotionHit, MorphQueryFilter, MorphRayCaster, MorphRayHit, MorphRayHits, MorphShapeCaster, MorphShapeHit,
+        MorphShapeHits, MorphShapeMotion, MorphSpatialQuery,
     };
     pub use crate::state::{MorphCollisionDiagnostics, MorphPairCosts, MorphStageTimes};
     pub use crate::surface::MorphSurfaceAnchor;

@@ -11,7 +11,6 @@ use bevy::picking::backend::ray::{RayId, RayMap};
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::spatial::MorphShapeMotion;
 use morph_collision_models::generated::rigid;
 use morph_collision_workspace::app::headless;
 

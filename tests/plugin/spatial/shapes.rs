@@ -4,7 +4,6 @@ use bevy::math::Vec3A;
 use bevy::prelude::*;
 use bevy::shape::Aabb3d;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::spatial::MorphShapeMotion;
 
 use super::{any, ask, three};
 use crate::support::{Edits, add_mesh, app, settle, spawn, stretching_cube};

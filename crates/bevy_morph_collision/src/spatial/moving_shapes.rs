@@ -35,7 +35,6 @@ impl MorphSpatialQuery<'_, '_> {
     /// ```
     /// # use bevy::prelude::*;
     /// # use bevy_morph_collision::prelude::*;
-    /// # use bevy_morph_collision::spatial::MorphShapeMotion;
     /// fn slash(spatial: MorphSpatialQuery) {
     ///     let blade = MorphShape::Cuboid { half_extents: Vec3::new(0.02, 0.5, 0.005) };
     ///     let (hand, up) = (Vec3::new(0.0, 1.0, 0.0), Vec3::Y * 0.5);

@@ -1,6 +1,6 @@
 //! Where a transform puts a primitive shape.
 
-use bevy::math::{DVec3, Mat3A};
+use bevy::math::{DMat3, DQuat, DVec3, Mat3A};
 use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, PlacedShape, Shape};
 
@@ -118,7 +118,9 @@ fn scale_and_rotation(linear: Mat3A) -> (Vec3, Quat) {
     let y = across(y)
         .or_else(|| across(z.cross(x)))
         .unwrap_or_else(|| x.any_orthonormal_vector());
-    (scale, Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize())
+    // With `f64`, because the vector instructions of machines add the squares of a `Quat` in different orders.
+    let rotation = DQuat::from_mat3(&DMat3::from_cols(x.as_dvec3(), y.as_dvec3(), x.cross(y).as_dvec3()));
+    (scale, rotation.normalize().as_quat())
 }
 
 /// -1 along z if a transform mirrors.

@@ -1,6 +1,6 @@
 //! Clips that move the nodes of a skeleton.
 
-use glam::{Quat, Vec4};
+use glam::{DVec4, Quat, Vec4};
 
 use super::transform::LocalTransform;
 
@@ -130,13 +130,9 @@ impl JointChannel {
                 let leaving = *self.values.get(3 * before + 2)? * length;
                 let arriving = *self.values.get(3 * next)? * length;
                 let value = hermite(from, leaving, to, arriving, t);
-                if is_rotation {
-                    value.normalize_or(Vec4::W)
-                } else {
-                    value
-                }
+                if is_rotation { normalized(value) } else { value }
             }
-            _ if is_rotation => Quat::from_vec4(from).slerp(Quat::from_vec4(to), t).into(),
+            _ if is_rotation => slerp(from, to, t),
             _ => from + (to - from) * t,
         })
     }
@@ -146,6 +142,26 @@ impl JointChannel {
         let cubic = self.interpolation == Interpolation::CubicSpline;
         self.values.get(if cubic { 3 * key + 1 } else { key }).copied()
     }
+}
+
+/// A quaternion divided by its length. Like [`slerp`], it has the same bits on every machine: `f64`, because vector instructions add in
+/// different orders.
+pub(crate) fn normalized(quaternion: Vec4) -> Vec4 {
+    quaternion.as_dvec4().normalize_or(DVec4::W).as_vec4()
+}
+
+/// The rotation at a share of the shortest way between two. The sines are those of `libm`, because the standard library's differ between machines.
+fn slerp(from: Vec4, to: Vec4, t: f32) -> Vec4 {
+    let (from, to, t) = (from.as_dvec4(), to.as_dvec4(), f64::from(t));
+    let cosine = from.dot(to);
+    let (to, cosine) = if cosine < 0.0 { (-to, -cosine) } else { (to, cosine) };
+    // Stored quaternions are only nearly of length 1.
+    let angle = libm::acos(cosine.min(1.0));
+    let sine = libm::sin(angle);
+    if sine < 1e-6 {
+        return (from + (to - from) * t).normalize_or(DVec4::W).as_vec4();
+    }
+    ((from * libm::sin((1.0 - t) * angle) + to * libm::sin(t * angle)) / sine).as_vec4()
 }
 
 /// The cubic from one value to another with these slopes per unit of `t`, as glTF defines it.

@@ -5,13 +5,15 @@
 //! ```
 //!
 //! The arithmetic is that of Bevy: `f32`, a parent's affine map times the child's, and `Mat4` products with the inverse bind
-//! matrices. So the matrices are those that Bevy draws with, except for rounding inside `sin` and `slerp`.
+//! matrices. Only
+//! rotations between keys are rounded otherwise, so that they have the same bits on every machine.
 
 mod clip;
 mod transform;
 
 use glam::{Affine3A, Mat4};
 
+pub(crate) use self::clip::normalized;
 pub use self::clip::{Interpolation, JointChannel, JointClip, Property};
 pub use self::transform::LocalTransform;
 

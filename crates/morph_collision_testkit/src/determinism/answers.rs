@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Quat, Vec3};
+use morph_collision::motion::MovingShape;
 use morph_collision::{
-    Body, BuildOptions, ContactQuery, DistanceQuery, JointMatrices, MorphBvh, PairQuery, Pose, Ray, RayHit, RayQuery,
-    SelfQuery, TrianglePair, WorldFromModel,
+    Body, BuildOptions, ContactQuery, ConvexHull, DistanceQuery, InputError, JointMatrices, MorphBvh, PairQuery,
+    PlacedShape, Pose, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeQuery, TrianglePair, WorldFromModel,
 };
 
 use super::Run;
@@ -13,13 +14,14 @@ use super::hash::Hash;
 use super::scenes::Scene;
 
 /// Hashed separately, so that a difference shows where it is.
-pub(super) const COLUMNS: [&str; 6] = ["vertices", "pairs", "self", "contacts", "distances", "rays"];
+pub(super) const COLUMNS: [&str; 7] = ["vertices", "pairs", "self", "contacts", "distances", "rays", "shapes"];
 const VERTICES: usize = 0;
 const PAIRS: usize = 1;
 const SELF: usize = 2;
 const CONTACTS: usize = 3;
 const DISTANCES: usize = 4;
 const RAYS: usize = 5;
+const SHAPES: usize = 6;
 
 /// Hashes of answers, and related counts.
 #[derive(Clone, Copy, Debug)]
@@ -107,6 +109,7 @@ struct Worker<'a> {
     contacts: ContactQuery,
     distances: DistanceQuery,
     rays: RayQuery,
+    shapes: ShapeQuery,
 }
 
 impl<'a> Worker<'a> {
@@ -122,6 +125,7 @@ impl<'a> Worker<'a> {
             contacts: ContactQuery::new(),
             distances: DistanceQuery::new(),
             rays: RayQuery::new(),
+            shapes: ShapeQuery::new(),
         }
     }
 
@@ -160,6 +164,24 @@ impl<'a> Worker<'a> {
             let hash = &mut answers.hashes[RAYS];
             hash.u64(hits.len() as u64);
             hits.iter().for_each(|hit| hash_hit(hash, hit));
+        }
+        for motion in motions(place) {
+            let hash = &mut answers.hashes[SHAPES];
+            for time in [0.0, 0.3, 1.0] {
+                let contact = self
+                    .shapes
+                    .closest(Body::new(pose, place), &motion.at(time), f64::INFINITY);
+                let contact = contact.ok().flatten().expect("no distance is beyond infinity");
+                hash.u32(contact.triangle);
+                hash.number(contact.distance);
+                hash.numbers(contact.point_on_triangle.to_array());
+                hash.numbers(contact.normal.to_array());
+            }
+            if let Some(hit) = self.shapes.cast_moving(Body::new(pose, place), &motion, 1e-6) {
+                hash.u32(hit.triangle);
+                hash.numbers([hit.time.earliest, hit.time.latest]);
+                hash.numbers(hit.point.to_array());
+            }
         }
         let mut pairs = Vec::new();
         self.within.all(pose, &mut pairs);
@@ -250,9 +272,56 @@ fn hash_hit(hash: &mut Hash, hit: &RayHit) {
     hash.numbers(hit.normal.to_array());
 }
 
+/// A shape of each kind that moves past the body's origin and turns, once as told and once as its ends tell.
+fn motions(place: &WorldFromModel) -> Vec<MovingShape> {
+    let corners = [
+        Vec3::X,
+        Vec3::Y,
+        Vec3::Z,
+        Vec3::new(-0.5, -0.25, -0.75),
+        Vec3::new(0.5, 0.5, 0.25),
+    ];
+    let (half_height, radius, half_extents) = (0.75, 0.25, Vec3::new(0.5, 0.25, 0.125));
+    let shapes = [
+        Shape::Ball { radius },
+        Shape::Capsule {
+            half_length: half_height,
+            radius,
+        },
+        Shape::Cuboid { half_extents },
+        Shape::RoundCuboid {
+            half_extents,
+            border_radius: 0.125,
+        },
+        Shape::Cylinder { half_height, radius },
+        Shape::Cone { half_height, radius },
+        Shape::ConicalFrustum {
+            half_height,
+            bottom_radius: radius,
+            top_radius: 0.5,
+        },
+        Shape::ConvexHull(Arc::new(ConvexHull::new(&corners).expect("it is a solid"))),
+    ];
+    let origin = place.transform_point(Vec3::ZERO);
+    let (start, way) = (origin + DVec3::new(2.0, 0.5, 0.25), DVec3::new(-2.5, -0.25, 0.125));
+    let placed = |shape| PlacedShape::new(shape, Quat::from_xyzw(0.5, -0.5, 0.5, 0.5), start.as_vec3());
+    let motion = |shape| {
+        let placed = placed(shape)?;
+        let motion = MovingShape::new(placed.clone(), way)?.turning(start, DVec3::new(1.0, -0.5, 0.25))?;
+        let between = MovingShape::between(&placed, &motion.at(0.75)).expect("they are of one kind");
+        Ok::<_, InputError>([motion, between])
+    };
+    // Places may be too far away for shapes.
+    shapes
+        .into_iter()
+        .filter_map(|shape| motion(shape).ok())
+        .flatten()
+        .collect()
+}
+
 /// Rays from a few sides towards the body's origin and past it.
 fn rays(place: &WorldFromModel) -> [Ray; 4] {
-    let origin = place.transform_point(glam::Vec3::ZERO);
+    let origin = place.transform_point(Vec3::ZERO);
     [
         ([3.0, 0.5, 0.25], [0.0, 0.0, 0.0]),
         ([0.25, -4.0, 1.0], [0.125, 0.0, 0.25]),

@@ -2,10 +2,11 @@
 
 use super::hash::Hash;
 use crate::moments::{self, MomentBody};
-use glam::{Affine3A, Vec3};
-use morph_collision_models::generated::{dolphin, pass_through_body_at, random};
+use glam::{Affine3A, DVec4, Vec3};
+use morph_collision_models::generated::{dolphin, pass_through_body_at, random, rigs};
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes::{dolphins, pass_through};
+use morph_collision_models::skeleton::{Interpolation, JointChannel, JointClip, Property};
 
 /// Meshes, and the weights and placements of bodies in each frame. Body `i` uses the same mesh in all frames.
 #[derive(Debug)]
@@ -102,6 +103,7 @@ pub fn all() -> Vec<Scene> {
             .map(|moment| Scene::new(moment.name, moment.meshes, vec![moment.bodies])),
     );
     scenes.extend(skinned());
+    scenes.push(clip());
     scenes
 }
 
@@ -146,6 +148,48 @@ fn passing() -> Scene {
     Scene::new("pass-through".to_owned(), vec![pass_through_body_at(2)], frames)
 }
 
+/// Numbers that spread over -1..1 without a sine: multiples of an odd number.
+fn wander(seed: u32) -> f32 {
+    (seed.wrapping_mul(0x9e37_79b1) >> 16) as f32 / 32768.0 - 1.0
+}
+
+/// A tube whose joints are those of a clip, between its keys.
+fn clip() -> Scene {
+    let mesh = rigs::tube(38, 6, 4, 3);
+    let skeleton = mesh.skin.as_ref().map(|skin| skin.skeleton.clone()).unwrap_or_default();
+    let quaternion = |seed: u32| {
+        let numbers = [0, 1, 2, 3].map(|i| f64::from(wander(seed + 577 * i)));
+        DVec4::from_array(numbers).normalize_or(DVec4::W).as_vec4()
+    };
+    let channel = |node: u32| {
+        let interpolation = [Interpolation::Linear, Interpolation::CubicSpline][node as usize % 2];
+        let values = if node.is_multiple_of(2) { 4 } else { 12 };
+        JointChannel {
+            node,
+            property: Property::Rotation,
+            interpolation,
+            times: vec![0.0, 0.5, 0.75, 2.0],
+            values: (0..values)
+                .map(|value| quaternion(1 + 31 * value + 1009 * node))
+                .collect(),
+        }
+    };
+    let clip = JointClip {
+        channels: (0..skeleton.nodes.len() as u32).map(channel).collect(),
+        ..JointClip::default()
+    };
+    let at = |seconds: f32| skeleton.world_from_mesh(Some(&clip), seconds);
+    let body = || (0, vec![0.5, -0.25, 1.5], Affine3A::IDENTITY);
+    let seconds = [0.1, 0.45, 0.6, 1.3, 1.9];
+    let mut scene = Scene::new(
+        "a clip".to_owned(),
+        vec![mesh],
+        vec![vec![body(), body()]; seconds.len()],
+    );
+    scene.joints = seconds.map(|seconds| vec![at(seconds), at(seconds + 0.05)]).to_vec();
+    scene
+}
+
 /// Blobs with 24 targets each. The weights have any sign and sum, and most of them change from frame to frame.
 fn signed() -> Scene {
     const TARGETS: u32 = 24;
@@ -153,8 +197,6 @@ fn signed() -> Scene {
         random::random_blob(21, 2, TARGETS as usize, 0.6),
         random::random_blob(22, 1, TARGETS as usize, 0.0),
     ];
-    // Multiples of an odd number spread over -1..1 without a sine.
-    let wander = |seed: u32| (seed.wrapping_mul(0x9e37_79b1) >> 16) as f32 / 32768.0 - 1.0;
     let bodies = |frame: u32| {
         let body = |i: u32| {
             let weight =

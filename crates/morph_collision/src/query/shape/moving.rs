@@ -1,7 +1,8 @@
 //! Shapes that move and turn.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::DVec3;
 
+use super::core::turn;
 use super::placed::PlacedShape;
 use super::solid::Solid;
 use crate::exact::largest;
@@ -124,8 +125,7 @@ impl MovingShape {
         if self.rotation == DVec3::ZERO {
             return solid.moved_by(offset);
         }
-        let turn = DMat3::from_quat(DQuat::from_scaled_axis(self.rotation * since));
-        solid.turned(&turn, self.pivot).moved_by(offset)
+        solid.turned(&turn(self.rotation * since), self.pivot).moved_by(offset)
     }
 
     pub(super) fn translation(&self) -> DVec3 {

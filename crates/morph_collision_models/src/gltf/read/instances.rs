@@ -6,6 +6,7 @@ use super::GltfFile;
 use super::accessor::{FRACTIONS, Form, Opened, POINTS};
 use super::document::Instancing;
 use super::error::{NodeProblem, ReadError};
+use crate::skeleton::normalized;
 
 /// What places the instances of a node, as far as the file says.
 struct Places<'a> {
@@ -78,9 +79,7 @@ impl GltfFile {
             Affine3A::from_scale_rotation_translation(
                 scales.get(instance).copied().unwrap_or(Vec3::ONE),
                 // Stored integers are only nearly of length 1.
-                rotation.map_or(Quat::IDENTITY, |rotation| {
-                    Quat::from_vec4(rotation.normalize_or(Vec4::W))
-                }),
+                rotation.map_or(Quat::IDENTITY, |rotation| Quat::from_vec4(normalized(*rotation))),
                 translations.get(instance).copied().unwrap_or(Vec3::ZERO),
             )
         };

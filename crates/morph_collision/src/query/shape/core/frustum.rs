@@ -48,7 +48,10 @@ impl Frustum {
     }
 
     pub(super) fn around(&self) -> (DVec3, f64) {
-        (self.frame.center, self.half_height.hypot(self.largest_radius()))
+        (
+            self.frame.center,
+            DVec2::new(self.half_height, self.largest_radius()).length(),
+        )
     }
 
     pub(super) fn reach(&self) -> f64 {

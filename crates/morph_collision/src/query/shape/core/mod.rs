@@ -8,6 +8,7 @@ mod frustum;
 mod placed_hull;
 mod segment;
 mod separation;
+mod turn;
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -19,6 +20,7 @@ pub(super) use frame::{Frame, LARGEST};
 pub(super) use frustum::Frustum;
 pub(super) use placed_hull::PlacedHull;
 pub(super) use separation::BLIND;
+pub(super) use turn::turn;
 
 /// A closed convex set in world space.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,13 +159,13 @@ impl Core {
 
     /// The shortest rotation from a core of the same kind, as the axis times the angle.
     pub(super) fn rotation_from(&self, before: &Self) -> Option<DVec3> {
-        let rotation = match (before, self) {
+        let shortest = match (before, self) {
             (Self::Segment([p, q]), Self::Segment([p_now, q_now])) => {
                 let (was, is) = ((q - p).normalize_or_zero(), (q_now - p_now).normalize_or_zero());
                 if was == is || was == DVec3::ZERO || is == DVec3::ZERO {
                     return Some(DVec3::ZERO);
                 }
-                DQuat::from_rotation_arc(was, is)
+                turn::arc(was, is)
             }
             (Self::Cuboid(Cuboid { frame: was, .. }), Self::Cuboid(Cuboid { frame: is, .. }))
             | (Self::Frustum(Frustum { frame: was, .. }), Self::Frustum(Frustum { frame: is, .. }))
@@ -171,12 +173,12 @@ impl Core {
                 if was.rotation == is.rotation {
                     return Some(DVec3::ZERO);
                 }
-                DQuat::from_mat3(&(is.rotation * was.rotation.transpose())).normalize()
+                let rotation = DQuat::from_mat3(&(is.rotation * was.rotation.transpose()));
+                turn::scaled_axis(rotation.normalize())
             }
             _ => return None,
         };
-        let shortest = if rotation.w < 0.0 { -rotation } else { rotation };
-        Some(shortest.to_scaled_axis())
+        Some(shortest)
     }
 
     /// A bound on how far any point has moved, up to rounding of the lengths. Infinite for another kind or size of core.

@@ -5,7 +5,7 @@ use bevy_morph_collision::prelude::*;
 
 use super::{Asked, ByRules, Rules, app_with_rules, asked, pair, row, rules};
 use crate::log::{Errors, start};
-use crate::support::{Edits, fixed_app, plain_app, spawn, touches};
+use crate::support::{Edits, fixed_app, plain_app, touches};
 
 #[test]
 fn hooks_work_in_an_app_that_is_never_finished() {

@@ -90,7 +90,6 @@ fn a_continuous_collider_passes_what_it_may_not_hit() {
 }
 
 #[test]
-#[test]
 fn a_continuous_contact_that_a_hook_drops_does_not_begin_when_it_ends() {
     let mut app = app_with_rules();
     let (cube, wall) = (
@@ -149,7 +148,6 @@ fn how_a_continuous_contact_began_is_seen_in_all_its_runs() {
     }
 }
 
-#[test]
 #[test]
 fn a_body_rises_through_a_one_way_surface_and_lands_on_it() {
     #[derive(SystemParam)]

@@ -14,7 +14,7 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
 use crate::log::start;
-use crate::support::{Edits, add_mesh, assets, cube, spawn};
+use crate::support::{Edits, add_mesh, assets, cube, settle, spawn};
 
 /// What the hooks of these tests read.
 #[derive(Resource, Default)]

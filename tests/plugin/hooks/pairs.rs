@@ -5,9 +5,11 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_workspace::app::headless;
 
-use super::{ByRules, Indifferent, Rules, app_with_rules, asked, pair, row, rules};
+use super::{Asked, ByRules, Indifferent, Rules, app_with_rules, asked, pair, row, rules};
 use crate::log::start;
-use crate::support::{BodyMessages, Edits, Messages, add_mesh, assets, cube, diagnostics, move_to, spawn, touches};
+use crate::support::{
+    BodyMessages, Edits, Messages, add_mesh, assets, cube, diagnostics, move_to, settle, spawn, touches,
+};
 
 #[test]
 fn a_pair_that_a_hook_refuses_ends_and_comes_back_although_nothing_moves() {
@@ -90,6 +92,7 @@ fn a_body_asks_for_its_colliders() {
     assert_eq!(messages.read(&app).1.len(), 1);
 }
 
+#[test]
 fn all_hooks_have_to_agree_and_no_one_is_asked_about_what_another_refused() {
     for is_first in [true, false] {
         let mut app = headless(&assets());
@@ -129,6 +132,7 @@ fn all_hooks_have_to_agree_and_no_one_is_asked_about_what_another_refused() {
     }
 }
 
+#[test]
 fn a_collider_that_a_hook_despawns_touches_nothing() {
     #[derive(SystemParam)]
     struct Fragile<'w> {

@@ -15,7 +15,7 @@ use crate::surface::{AvianSurface, Touch};
 /// A collider and a [`MorphPhysicsCollider`](crate::MorphPhysicsCollider) that touch are one pair, no matter how many parts of the surface
 /// are between them. All other pairs are Avian's own. Only pairs that touch are listed.
 ///
-/// Read it before or after Avian's step, or within the step after the narrow phase. Nothing is allocated. Where a method takes an entity, a
+/// Pairs with surfaces are those of the last step. Read it before or after Avian's step, or within the step after the narrow phase. Nothing is allocated. Where a method takes an entity, a
 /// [`MorphAvianPart`] stands for its surface.
 ///
 /// A system cannot have this parameter next to `Collisions` or a mutable `ContactGraph`: use [`graph`](Self::graph). It needs a
@@ -61,6 +61,7 @@ impl MorphAvianCollisions<'_, '_> {
         let of_surface = |surface, other| {
             let touch = self.touching(surface)?.get(&other)?;
             self.named(self.graph.get_by_id(touch.contact)?.1)
+                .filter(|contacts| contacts.is_of(surface) && contacts.is_of(other))
         };
         of_surface(one, two).or_else(|| of_surface(two, one)).or_else(|| {
             let (_, pair) = self.graph.get(one, two)?;
@@ -87,7 +88,9 @@ impl MorphAvianCollisions<'_, '_> {
         let touches = self.touching(entity).into_iter().flat_map(|touching| touching.values());
         let of_parts = touches.filter_map(|touch| Some(self.graph.get_by_id(touch.contact)?.1));
         let own = self.graph.contact_pairs_with(entity);
-        of_parts.chain(own).filter_map(|pair| self.named(pair))
+        let contacts = of_parts.chain(own).filter_map(|pair| self.named(pair));
+        // Avian uses the number of a pair again that it has removed since the step.
+        contacts.filter(move |contacts| contacts.is_of(entity))
     }
 
     /// The colliders and surfaces that touch a collider or surface, each once. Costs as much as [`collisions_with`](Self::collisions_with).
@@ -170,6 +173,10 @@ impl<'a> MorphAvianContacts<'a> {
         } else {
             self.collider1
         }
+    }
+
+    fn is_of(&self, entity: Entity) -> bool {
+        self.collider1 == entity || self.collider2 == entity
     }
 
     /// Avian's pairs: one, or one for each part of the surface that the collider touches. A part may be the first or the second collider

@@ -29,9 +29,11 @@ impl Digest {
     }
 
     fn entities(&mut self, banks: &Banks, entities: impl IntoIterator<Item = Entity>) {
+        let before = self.count;
         for entity in entities {
             self.add(banks.row(entity).into());
         }
+        self.add(self.count - before);
     }
 
     fn floats(&mut self, numbers: impl IntoIterator<Item = f32>) {
@@ -67,7 +69,9 @@ impl Digest {
         self.floats(contact.normal.to_array());
         self.floats([contact.distance]);
         self.add(contact.is_truncated.into());
+        self.add(contact.triangles.len() as u64);
         contact.triangles.iter().for_each(|&pair| self.pair(pair));
+        self.add(contact.points.len() as u64);
         for point in &contact.points {
             self.floats(point.point.to_array());
             self.floats([point.depth]);
@@ -99,9 +103,11 @@ pub(super) fn state(world: &mut World) -> Digest {
         }
         if let Some(list) = entity.get::<MorphSelfCollisions>() {
             digest.add(list.is_truncated().into());
+            digest.add(list.regions().len() as u64);
             for region in list.regions() {
                 digest.add(region.region.into());
                 digest.floats(region.point.to_array());
+                digest.add(region.triangles.len() as u64);
                 region.triangles.iter().for_each(|&pair| digest.pair(pair));
             }
         }
@@ -151,10 +157,12 @@ impl Reader {
     pub(super) fn read(&mut self, world: &World, counts: &mut Counts) -> Digest {
         let (mut digest, banks) = (Digest::new(), world.resource::<Banks>());
         for end in self.ends.read(world.resource()) {
+            digest.add(1);
             digest.entities(banks, [end.collider1, end.collider2, end.body1, end.body2]);
         }
         for start in self.starts.read(world.resource()) {
             counts.starts += 1;
+            digest.add(2);
             counts.impacts += usize::from(start.impact.is_some());
             digest.entities(banks, [start.collider1, start.collider2, start.body1, start.body2]);
             digest.floats(start.point.to_array());
@@ -162,21 +170,26 @@ impl Reader {
             digest.impact(start.impact);
         }
         for end in self.body_ends.read(world.resource()) {
+            digest.add(3);
             digest.entities(banks, [end.body1, end.body2]);
         }
         for start in self.body_starts.read(world.resource()) {
             counts.body_starts += 1;
+            digest.add(4);
             digest.entities(banks, [start.body1, start.body2, start.collider1, start.collider2]);
             digest.floats(start.point.to_array());
+            digest.floats(start.normal.to_array());
             digest.impact(start.impact);
         }
         for end in self.self_ends.read(world.resource()) {
             counts.self_ends += 1;
+            digest.add(5);
             digest.entities(banks, [end.collider]);
             digest.add(end.region.into());
         }
         for start in self.self_starts.read(world.resource()) {
             counts.self_starts += 1;
+            digest.add(6);
             digest.entities(banks, [start.collider]);
             digest.add(start.region.into());
             digest.floats(start.point.to_array());

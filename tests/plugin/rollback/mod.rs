@@ -3,9 +3,11 @@
 //! - `library`: saves and loads what a game registers, as a rollback library does.
 //! - `stage`: an app and what lives in it. `operations`: what the game does. `rules`: its hooks. `banks`: entities whose order stays the same.
 //! - `digest`: hashes of everything that the plugin reports.
+//! - `fixed`: ticks of a fixed schedule. `trees`: trees that are built or gone.
 
 mod banks;
 mod digest;
+mod fixed;
 mod library;
 mod operations;
 mod rules;

@@ -12,10 +12,12 @@ impl MorphShape {
         let linear = transform.affine().matrix3;
         let (scale, rotation) = scale_and_rotation(linear);
         let translation = transform.translation();
-        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| rotation * axis);
+        let [x, y, z] = DMat3::from_quat(rotation)
+            .to_cols_array_2d()
+            .map(|axis| DVec3::from_array(axis).as_vec3());
         let of_box = |half: Vec3| x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
         // A disc around y reaches along a world axis as far as that axis is not along y.
-        let beside = Vec3::new(y.y.hypot(y.z), y.z.hypot(y.x), y.x.hypot(y.y));
+        let beside = Vec3::new(y.yz().length(), y.zx().length(), y.xy().length());
         let of_discs = |half_height: f32, [bottom, top]: [f32; 2]| {
             let (up, bottom, top) = (y * half_height, beside * bottom, beside * top);
             [(-up - bottom).min(up - top), (bottom - up).max(up + top)]
@@ -79,14 +81,14 @@ impl MorphShape {
             }
             Self::ConvexHull(ref hull) => {
                 let hull = hull.scaled(scale * mirrored_z(linear))?;
-                let corners = hull.points().iter().map(|corner| rotation * corner.as_vec3());
+                let corners = hull.points().iter().map(|&corner| (rotation * corner).as_vec3());
                 let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| {
                     (low.min(corner), high.max(corner))
                 });
                 (Shape::ConvexHull(hull), [low, high])
             }
             Self::HalfSpace { normal } => {
-                let normal = placed_normal(normal, linear).unwrap_or(rotation * normal);
+                let normal = placed_normal(normal, linear).unwrap_or((rotation * normal.as_dvec3()).as_vec3());
                 let shape = PlacedShape::new(Shape::HalfSpace { normal }, Quat::IDENTITY, translation)?;
                 let bounds = Aabb {
                     min: Vec3::NEG_INFINITY,
@@ -95,7 +97,7 @@ impl MorphShape {
                 return Ok((shape, bounds));
             }
         };
-        let shape = PlacedShape::new(shape, rotation, translation)?;
+        let shape = PlacedShape::new(shape, rotation.as_quat(), translation)?;
         // The rounding errors of all this are far below a millionth.
         let slack = 1e-6 * (low.abs().max(high.abs()).max_element() + translation.abs()) + f32::MIN_POSITIVE;
         let bounds = Aabb {
@@ -108,7 +110,7 @@ impl MorphShape {
 
 /// The lengths of the axes, and a nearby rotation: it maps x exactly to the first axis, and y to the part of the second axis that
 /// is perpendicular to the first. Whether the third axis is mirrored matters only to shapes that are not symmetric.
-fn scale_and_rotation(linear: Mat3A) -> (Vec3, Quat) {
+fn scale_and_rotation(linear: Mat3A) -> (Vec3, DQuat) {
     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::from);
     let scale = Vec3::new(x.length(), y.length(), z.length());
     let x = x
@@ -120,7 +122,7 @@ fn scale_and_rotation(linear: Mat3A) -> (Vec3, Quat) {
         .unwrap_or_else(|| x.any_orthonormal_vector());
     // With `f64`, because the vector instructions of machines add the squares of a `Quat` in different orders.
     let rotation = DQuat::from_mat3(&DMat3::from_cols(x.as_dvec3(), y.as_dvec3(), x.cross(y).as_dvec3()));
-    (scale, rotation.normalize().as_quat())
+    (scale, rotation.normalize())
 }
 
 /// -1 along z if a transform mirrors.
@@ -214,7 +216,7 @@ mod tests {
             );
             if scale.x > 0.0 {
                 let x = Vec3::from(linear.x_axis).normalize();
-                assert!((rotation * Vec3::X).distance(x) < 1e-5, "{linear:?}");
+                assert!((rotation * DVec3::X).as_vec3().distance(x) < 1e-5, "{linear:?}");
             }
             let place = GlobalTransform::from(Affine3A::from_mat3_translation(linear.into(), Vec3::ONE));
             assert!(MorphShape::Ball { radius: 1.0 }.place(&place).is_ok());

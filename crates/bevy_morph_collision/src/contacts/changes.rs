@@ -63,8 +63,13 @@ impl Changes {
 
     /// Goes back to an earlier run of the same plugin.
     pub(super) fn restore(&mut self, earlier: Self) {
-        let is_fixed = self.is_fixed;
-        *self = Self { is_fixed, ..earlier };
+        *self = Self {
+            is_fixed: self.is_fixed,
+            // Runs that are simulated again are outside of the frame's loop, and systems of the simulation see each of them.
+            has_run: false,
+            shown: Shown::Run,
+            ..earlier
+        };
     }
 
     /// The fixed schedules begin: systems see the last run, which may have been several frames ago.

@@ -72,9 +72,9 @@ impl Memory {
                 state.restore(memory, &mut list);
             }
         }
-        for (entity, memory) in &self.lists {
-            if let Some(mut list) = world.get_mut::<MorphCollidingEntities>(*entity) {
-                list.clone_from(memory);
+        for entity in with::<MorphCollidingEntities>(world) {
+            if let Some(mut list) = world.get_mut::<MorphCollidingEntities>(entity) {
+                *list = find(&self.lists, entity).cloned().unwrap_or_default();
             }
         }
         world.resource_mut::<Runs>().restore(self.runs);
@@ -110,6 +110,7 @@ impl MapEntities for Memory {
         }
         self.colliders.sort_unstable_by_key(|(entity, _)| *entity);
         self.selves.sort_unstable_by_key(|(entity, _)| *entity);
+        self.lists.sort_unstable_by_key(|(entity, _)| *entity);
     }
 }
 

@@ -42,6 +42,8 @@ impl ColliderState {
         let Some(memory) = memory else {
             *self = Self {
                 reported: self.reported,
+                bad_weights: self.bad_weights,
+                bad_placement: self.bad_placement,
                 ..Self::default()
             };
             return;

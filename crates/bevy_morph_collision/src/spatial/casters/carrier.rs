@@ -1,6 +1,7 @@
 //! Where casters are, and on which body.
 
 use bevy::ecs::system::SystemParam;
+use bevy::math::{DMat3, DQuat};
 use bevy::prelude::*;
 
 use crate::components::{MorphColliderOf, MorphColliders, body_of};
@@ -40,11 +41,20 @@ impl Carriers<'_, '_> {
 pub(super) fn to_world(
     place: &GlobalTransform,
     origin: Vec3,
-    rotation: Quat,
+    rotation_inside: Quat,
     direction: Dir3,
 ) -> Result<(Vec3, Quat, Dir3), String> {
-    let turned = place.rotation();
-    let direction = Dir3::new(turned * *direction)
+    let turned = rotation(place);
+    let direction = Dir3::new((turned * direction.as_dvec3()).as_vec3())
         .map_err(|_| "its GlobalTransform has no rotation: a scale is 0 or a number is not finite".to_owned())?;
-    Ok((place.transform_point(origin), turned * rotation, direction))
+    let rotation = (turned * rotation_inside.as_dquat()).as_quat();
+    Ok((place.transform_point(origin), rotation, direction))
+}
+
+/// The rotation as [`GlobalTransform::rotation`] defines it, with the same bits on every machine: vector instructions add in different orders.
+fn rotation(place: &GlobalTransform) -> DQuat {
+    let linear = place.affine().matrix3.as_dmat3();
+    let mirrors = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let [x, y, z] = [linear.x_axis * mirrors, linear.y_axis, linear.z_axis].map(|axis| axis / axis.length());
+    DQuat::from_mat3(&DMat3::from_cols(x, y, z))
 }

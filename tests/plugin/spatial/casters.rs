@@ -85,8 +85,18 @@ fn casters_hit_what_single_queries_hit() {
             }
             (hits, touches)
         });
-        assert_eq!(ray_hits(&app, caster), hits);
-        assert_eq!(shape_hits(&app, caster), touches);
+        // Casters turn their directions in `f64`.
+        let (found, also_found) = (ray_hits(&app, caster), shape_hits(&app, caster));
+        assert_eq!((found.len(), also_found.len()), (hits.len(), touches.len()));
+        for (found, hit) in found.iter().zip(&hits) {
+            assert_eq!((found.entity, found.triangle), (hit.entity, hit.triangle));
+            let off = found.point.distance(hit.point) + found.normal.distance(hit.normal);
+            assert!((found.distance - hit.distance).abs() + off < 1e-5, "{found:?} {hit:?}");
+        }
+        for (found, touch) in also_found.iter().zip(&touches) {
+            assert_eq!(found.entity, touch.entity);
+            assert!((found.distance - touch.distance).abs() < 1e-5, "{found:?} {touch:?}");
+        }
         met += hits.len();
         touched += touches.len();
     }

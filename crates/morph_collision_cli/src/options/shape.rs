@@ -88,7 +88,13 @@ impl FromStr for WeightArg {
 
 fn read_text(source: impl Read) -> std::io::Result<String> {
     let mut text = String::new();
-    source.take(LARGEST_WEIGHT_FILE).read_to_string(&mut text)?;
+    source.take(LARGEST_WEIGHT_FILE + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LARGEST_WEIGHT_FILE {
+        let most = LARGEST_WEIGHT_FILE >> 20;
+        return Err(std::io::Error::other(format!(
+            "it is longer than {most} MiB, the most that weights may take"
+        )));
+    }
     Ok(text)
 }
 
@@ -222,4 +228,20 @@ fn joints(mesh: &MorphMesh, clips: ClipChoice, seconds: f32) -> Option<Vec<Affin
 
 fn build(mesh: &MorphMesh) -> Result<MorphBvh, MeshError> {
     Ok(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_that_are_too_long_are_refused_and_not_cut() {
+        let long = |bytes| read_text(std::io::repeat(b' ').take(bytes));
+        assert_eq!(
+            long(LARGEST_WEIGHT_FILE).expect("it is short enough").len() as u64,
+            LARGEST_WEIGHT_FILE
+        );
+        let error = long(LARGEST_WEIGHT_FILE + 1).expect_err("it is too long").to_string();
+        assert!(error.contains("longer than 16 MiB"), "{error}");
+    }
 }

@@ -199,10 +199,40 @@ fn read_all(source: impl Read, length: Option<u64>, path: &Path, budget: &Memory
         over,
     })?;
     let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
-    let read = source.take(length).read_to_end(&mut bytes);
+    let mut source = source.take(length.saturating_add(1));
+    let read = source.read_to_end(&mut bytes);
     read.map_err(|source| ReadError::Io {
         path: path.to_owned(),
         source,
     })?;
+    if bytes.len() as u64 > length {
+        let message = format!("it is longer than {length} bytes, which is all that the memory limit leaves for it");
+        return Err(ReadError::Io {
+            path: path.to_owned(),
+            source: std::io::Error::other(message),
+        });
+    }
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stream_that_is_too_long_is_refused_and_not_cut() {
+        let read = |bytes| {
+            read_all(
+                std::io::repeat(b' ').take(bytes),
+                None,
+                Path::new("-"),
+                &MemoryBudget::new(4000),
+            )
+        };
+        assert_eq!(read(1000).expect("it is short enough").len(), 1000);
+        let error = read(1001).expect_err("it is too long");
+        let source = std::error::Error::source(&error).map(ToString::to_string);
+        let text = format!("{error} {source:?}");
+        assert!(text.contains("longer than 1000 bytes"), "{text}");
+    }
 }

@@ -299,6 +299,22 @@ mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin morph-lab
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/morph-lab" mutations {{SECONDS}} {{SEED}}
 
+# Plays a game without a window for FRAMES frames, twice at the same time, and fails if memory grows, a contact never ends, a frame has too much work, or the two differ. 1728000 frames are eight hours.
+soak FRAMES="36000" SEED="1":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release -p morph_collision_workspace --example soak
+    results=$(mktemp -d)
+    trap 'rm -r "$results"' EXIT
+    # A copy, so that it may be built again meanwhile. It looks for the models where it was built.
+    cp "${CARGO_TARGET_DIR:-target}/release/examples/soak" "$results/soak"
+    "$results/soak" --frames {{FRAMES}} --seed {{SEED}} > "$results/second" 2>&1 &
+    second=$!
+    "$results/soak" --frames {{FRAMES}} --seed {{SEED}} --progress 100000 | tee "$results/first"
+    wait $second || { cat "$results/second"; exit 1; }
+    hash() { grep '^ *hash ' "$results/$1"; }
+    if [ "$(hash first)" != "$(hash second)" ]; then echo "the second run differs:"; cat "$results/second"; exit 1; fi
+
 # --only TOPIC measures one page, --quick makes rough numbers, --render only writes the pages again.
 
 # Measures everything in docs/measurements and writes its pages, docs/performance.md and the README's numbers.

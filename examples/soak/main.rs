@@ -22,6 +22,7 @@ mod report;
 mod stage;
 mod work;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -54,6 +55,9 @@ struct Options {
     /// Write a line to standard error after this many frames; 0 for none.
     #[arg(long, default_value_t = 0, value_name = "FRAMES")]
     progress: u64,
+    /// The folder of the models.
+    #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets"), value_name = "DIR")]
+    assets: PathBuf,
     /// Print only the result, as one JSON object.
     #[arg(long)]
     json: bool,
@@ -74,7 +78,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), SoakError> {
     let cycles = options.frames.div_ceil(CYCLE);
-    let mut stage = Stage::new()?;
+    let mut stage = Stage::new(&options.assets)?;
     let mut game = Game::new(options.seed);
     let (mut balance, mut work, mut digest) = (Balance::default(), Work::default(), Digest::default());
     let mut memory = Memory::new(cycles);

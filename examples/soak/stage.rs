@@ -43,9 +43,8 @@ const FILES: [&str; 3] = ["heaving_body_5120.glb", "mh_character_low.glb", "dolp
 pub(crate) const BLOB_TARGETS: usize = 3;
 
 impl Stage {
-    pub(crate) fn new() -> Result<Self, ExampleError> {
-        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
-        let mut app = without_collisions(folder);
+    pub(crate) fn new(assets: &Path) -> Result<Self, ExampleError> {
+        let mut app = without_collisions(assets);
         app.add_plugins((
             log(),
             RapierPhysicsPlugin::<NoUserData>::default(),

@@ -99,7 +99,11 @@ fn run(options: &Options) -> Result<(), SoakError> {
         }
         if options.progress > 0 && (frame + 1) % options.progress == 0 {
             let (seconds, bytes) = (started.elapsed().as_secs(), memory.last);
-            eprintln!("frame {}: {seconds} s, hash {digest}, {bytes} bytes", frame + 1);
+            let archetypes = memory.archetypes;
+            eprintln!(
+                "frame {}: {seconds} s, hash {digest}, {bytes} bytes, {archetypes} archetypes",
+                frame + 1
+            );
         }
     }
     let report = Report {

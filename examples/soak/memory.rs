@@ -21,6 +21,8 @@ pub(crate) struct Memory {
     pub(crate) samples: u64,
     /// The most memory that the process took at any time, if the system tells.
     pub(crate) peak_rss: Option<u64>,
+    /// The sets of components that entities have had. Bevy never forgets one, so memory grows with them.
+    pub(crate) archetypes: usize,
     #[serde(skip)]
     warm_up: u64,
     #[serde(skip)]
@@ -38,6 +40,7 @@ impl Memory {
             last: 0,
             samples: 0,
             peak_rss: None,
+            archetypes: 0,
             warm_up,
             compared_from: warm_up + (cycles / 4).clamp(1, 30),
             entities: 0,
@@ -48,6 +51,7 @@ impl Memory {
     pub(crate) fn sample(&mut self, bytes: usize, world: &mut World) -> Result<(), String> {
         let mut entities = world.query_filtered::<(), Allow<Disabled>>();
         let entities = entities.iter(world).count();
+        self.archetypes = world.archetypes().len();
         if self.samples == 0 {
             self.entities = entities;
         }
@@ -65,8 +69,8 @@ impl Memory {
         self.peak_rss = peak_rss();
         match self.largest > self.first + ALLOWED {
             true => Err(format!(
-                "{bytes} bytes on the empty stage after {} cycles, and at most {} in the first ones",
-                self.samples, self.first
+                "{bytes} bytes on the empty stage after {} cycles, and at most {} in the first ones; {} archetypes",
+                self.samples, self.first, self.archetypes
             )),
             false => Ok(()),
         }

@@ -14,21 +14,21 @@ pub(super) struct Digest {
 }
 
 impl Digest {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             hash: 0xcbf2_9ce4_8422_2325,
             count: 0,
         }
     }
 
-    fn add(&mut self, bits: u64) {
+    pub(super) fn add(&mut self, bits: u64) {
         self.count += 1;
         for byte in bits.to_le_bytes() {
             self.hash = (self.hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }
 
-    fn entities(&mut self, banks: &Banks, entities: impl IntoIterator<Item = Entity>) {
+    pub(super) fn entities(&mut self, banks: &Banks, entities: impl IntoIterator<Item = Entity>) {
         let before = self.count;
         for entity in entities {
             self.add(banks.row(entity).into());
@@ -36,7 +36,7 @@ impl Digest {
         self.add(self.count - before);
     }
 
-    fn floats(&mut self, numbers: impl IntoIterator<Item = f32>) {
+    pub(super) fn floats(&mut self, numbers: impl IntoIterator<Item = f32>) {
         for number in numbers {
             self.add(number.to_bits().into());
         }
@@ -46,7 +46,7 @@ impl Digest {
         self.add(u64::from(pair.triangle_a) << 32 | u64::from(pair.triangle_b));
     }
 
-    fn impact(&mut self, impact: Option<MorphImpact>) {
+    pub(super) fn impact(&mut self, impact: Option<MorphImpact>) {
         self.add(u64::from(impact.is_some()));
         let Some(impact) = impact else { return };
         self.add(impact.earliest.to_bits());
@@ -57,6 +57,21 @@ impl Digest {
         }
         self.add(impact.features as u64);
         self.pair(impact.triangles);
+    }
+
+    fn ray_hit(&mut self, banks: &Banks, hit: &MorphRayHit) {
+        self.entities(banks, std::iter::once(hit.entity).chain(hit.joint));
+        self.add(hit.triangle.into());
+        self.floats([hit.distance]);
+        self.floats(hit.normal.to_array());
+    }
+
+    fn shape_hit(&mut self, banks: &Banks, hit: &MorphShapeHit) {
+        self.entities(banks, [hit.entity]);
+        self.add(hit.triangle.into());
+        self.floats([hit.distance]);
+        self.floats(hit.point.to_array());
+        self.floats(hit.normal.to_array());
     }
 
     fn contact(&mut self, banks: &Banks, contact: &MorphContact) {
@@ -81,6 +96,16 @@ impl Digest {
     }
 }
 
+/// How many hits casters list.
+pub(super) fn cast_hits(world: &World) -> usize {
+    let alive = world.resource::<Banks>().rows.iter().flatten();
+    let hits = |&entity: &Entity| {
+        let rays = world.get::<MorphRayHits>(entity).map_or(0, |hits| hits.len());
+        rays + world.get::<MorphShapeHits>(entity).map_or(0, |hits| hits.len())
+    };
+    alive.map(hits).sum()
+}
+
 /// The state after a run, as systems of the game see it: contacts, changes, lists, regions, and answers to rays.
 pub(super) fn state(world: &mut World) -> Digest {
     let mut digest = Digest::new();
@@ -100,6 +125,14 @@ pub(super) fn state(world: &mut World) -> Digest {
         digest.entities(banks, collisions.bodies_colliding_with(entity.id()));
         if let Some(list) = entity.get::<MorphCollidingEntities>() {
             digest.entities(banks, list.iter().copied());
+        }
+        if let Some(hits) = entity.get::<MorphRayHits>() {
+            digest.add(hits.len() as u64);
+            hits.iter().for_each(|hit| digest.ray_hit(banks, hit));
+        }
+        if let Some(hits) = entity.get::<MorphShapeHits>() {
+            digest.add(hits.len() as u64);
+            hits.iter().for_each(|hit| digest.shape_hit(banks, hit));
         }
         if let Some(list) = entity.get::<MorphSelfCollisions>() {
             digest.add(list.is_truncated().into());
@@ -121,10 +154,7 @@ fn ask(spatial: MorphSpatialQuery, banks: Res<Banks>) -> Digest {
     for direction in [Dir3::X, Dir3::Y, Dir3::NEG_Z] {
         let origin = Vec3::new(0.1, 0.2, -0.1) - 10.0 * *direction;
         for hit in spatial.ray_hits(origin, direction, 20.0, &MorphQueryFilter::default()) {
-            digest.entities(&banks, std::iter::once(hit.entity).chain(hit.joint));
-            digest.add(hit.triangle.into());
-            digest.floats([hit.distance]);
-            digest.floats(hit.normal.to_array());
+            digest.ray_hit(&banks, &hit);
             digest.floats(hit.velocity(&spatial).unwrap_or(Vec3::NAN).to_array());
         }
     }
@@ -150,6 +180,8 @@ pub(super) struct Counts {
     pub(super) body_starts: usize,
     pub(super) self_starts: usize,
     pub(super) self_ends: usize,
+    pub(super) observed: usize,
+    pub(super) cast_hits: usize,
 }
 
 impl Reader {

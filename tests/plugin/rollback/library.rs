@@ -4,7 +4,7 @@
 
 use bevy::ecs::entity::{EntityHashMap, MapEntities};
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::time::{Real, Virtual};
@@ -18,8 +18,11 @@ macro_rules! copies {
     ($($name:ident: $component:ty,)*) => {
         #[derive(Clone)]
         struct Copies {
-            /// The body, which is an immutable component.
+            /// The body and the parent, which are immutable components.
             body: Option<Entity>,
+            parent: Option<Entity>,
+            /// Whether it lists what it touches. The list itself is a part of the plugin's state.
+            lists: bool,
             $($name: Option<$component>,)*
         }
 
@@ -27,6 +30,8 @@ macro_rules! copies {
             fn of(entity: EntityRef) -> Self {
                 Self {
                     body: entity.get::<MorphColliderOf>().map(|of| of.body),
+                    parent: entity.get::<ChildOf>().map(ChildOf::parent),
+                    lists: entity.contains::<MorphCollidingEntities>(),
                     $($name: entity.get::<$component>().cloned(),)*
                 }
             }
@@ -44,6 +49,14 @@ macro_rules! copies {
                     Some(body) => entity.insert(MorphColliderOf { body }),
                     None => entity.remove::<MorphColliderOf>(),
                 };
+                match self.parent {
+                    Some(parent) => entity.insert(ChildOf(parent)),
+                    None => entity.remove::<ChildOf>(),
+                };
+                match self.lists {
+                    true => entity.insert_if_new(MorphCollidingEntities::default()),
+                    false => entity.remove::<MorphCollidingEntities>(),
+                };
             }
         }
     };
@@ -53,6 +66,7 @@ copies! {
     born: Born,
     mesh: Mesh3d,
     weights: MeshMorphWeights,
+    shared: MorphWeights,
     skin: SkinnedMesh,
     collider: MorphCollider,
     layers: MorphCollisionLayers,
@@ -64,6 +78,10 @@ copies! {
     selves: MorphSelfCollisions,
     disabled: Disabled,
     hidden: Hidden,
+    ray: MorphRayCaster,
+    ray_hits: MorphRayHits,
+    thrown: MorphShapeCaster,
+    thrown_hits: MorphShapeHits,
 }
 
 /// Hides an entity from queries, as rollback libraries do with entities that may come back.
@@ -126,7 +144,7 @@ impl Snapshot {
             };
             let mut copies = copies.clone();
             let mapped = |entity: &mut Entity| *entity = map.get(entity).copied().unwrap_or(*entity);
-            copies.body.iter_mut().for_each(mapped);
+            copies.body.iter_mut().chain(&mut copies.parent).for_each(mapped);
             copies
                 .skin
                 .iter_mut()

@@ -1,7 +1,7 @@
 //! What the game does in a frame. It depends only on what a rollback brings back.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -9,7 +9,7 @@ use rand::RngExt;
 
 use super::library::Hidden;
 use super::rules::Rule;
-use super::stage::{BODIES, COLLIDERS, Stage, joints_of};
+use super::stage::{BODIES, COLLIDERS, SHARED, Stage, joints_of};
 use crate::support::Edits;
 
 /// One to three operations.
@@ -32,7 +32,7 @@ pub(super) fn operate(stage: &mut Stage) {
     }
     for _ in 0..stage.rng.random_range(1..=3) {
         let row = stage.rng.random_range(0..COLLIDERS);
-        match (stage.alive(row), stage.rng.random_range(0..44)) {
+        match (stage.alive(row), stage.rng.random_range(0..48)) {
             (None, _) | (_, 0) => spawn(stage, row),
             (Some(entity), operation) => change(stage, row, entity, operation),
         }
@@ -168,11 +168,52 @@ fn change(stage: &mut Stage, row: usize, entity: Entity, operation: u32) {
             stage.app.insert(entity, Mesh3d(mesh));
             reweigh(stage, entity);
         }
+        36 => toggle::<MorphCollisionEventsEnabled>(stage, entity),
+        37 => toggle::<MorphCollidingEntities>(stage, entity),
+        38 => cast(stage, entity),
+        39 => {
+            // Below a body, or free.
+            let body = stage.rng.random_range(BODIES);
+            match (stage.alive(body), stage.app.world().get::<ChildOf>(entity)) {
+                (Some(body), None) => stage.app.insert(entity, ChildOf(body)),
+                _ => stage.app.remove::<ChildOf>(entity),
+            }
+        }
+        40 => {
+            let (place, row) = (place(stage), stage.rng.random_range(BODIES));
+            if let Some(body) = stage.alive(row) {
+                stage.app.insert(body, place);
+            }
+        }
+        41 => {
+            let row = stage.rng.random_range(BODIES);
+            let weights: Vec<f32> = (0..SHARED).map(|_| stage.rng.random_range(-0.3..1.0)).collect();
+            let body = stage.alive(row);
+            if let Some(mut shared) = body.and_then(|body| stage.app.world_mut().get_mut::<MorphWeights>(body)) {
+                shared.weights_mut().copy_from_slice(&weights);
+            }
+        }
         35 => stage.app.insert(entity, MorphSelfCollisions::default().with_rest(true)),
         _ => {
             let joint = stage.rng.random_range(0..2);
             bend(stage, joints_of(row)[joint]);
         }
+    }
+}
+
+/// Casts a ray or a shape from an entity from now on, or not any more.
+fn cast(stage: &mut Stage, entity: Entity) {
+    let direction = one_of(stage, &[Dir3::X, Dir3::NEG_Y, Dir3::Z]);
+    if stage.rng.random_bool(0.3) {
+        stage.app.remove::<(MorphRayCaster, MorphRayHits)>(entity);
+        stage.app.remove::<(MorphShapeCaster, MorphShapeHits)>(entity);
+    } else if stage.rng.random_bool(0.5) {
+        let caster = MorphRayCaster::new(-2.0 * *direction, direction).with_max_hits(3);
+        stage.app.insert(entity, caster);
+    } else {
+        let shape = shape(stage);
+        let caster = MorphShapeCaster::new(shape, -3.0 * *direction, direction).with_max_hits(2);
+        stage.app.insert(entity, caster);
     }
 }
 
@@ -200,6 +241,13 @@ fn reweigh(stage: &mut Stage, entity: Entity) {
     let mesh = stage.app.world().get::<Mesh3d>(entity).map(|mesh| mesh.0.clone());
     let targets = stage.meshes.iter().find(|(known, _)| Some(known) == mesh.as_ref());
     let count = targets.map_or(0, |&(_, count)| count);
+    let body = stage.rng.random_range(BODIES);
+    if let Some(body) = stage.alive(body)
+        && count == SHARED
+        && stage.rng.random_bool(0.3)
+    {
+        return stage.app.insert(entity, MeshMorphWeights::Reference(body));
+    }
     let mut weights = weights(stage, count);
     if stage.rng.random_bool(0.1) {
         let weights_of_nan = vec![f32::NAN; count];

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use bevy::mesh::morph::MorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -14,6 +15,7 @@ use rand_pcg::Pcg64Mcg;
 use super::banks::{Banks, Born};
 use super::digest::{Counts, Digest, Reader, state};
 use super::library::Hidden;
+use super::observed;
 use super::operations::operate;
 use super::rules::{Rule, Rules};
 use crate::log::start;
@@ -23,6 +25,8 @@ use crate::support::{Edits, add_mesh, assets, cube, diagnostics, settle, stretch
 /// The rows of colliders. Two rows of joints for each of them follow, then those of bodies.
 pub(super) const COLLIDERS: usize = 8;
 pub(super) const BODIES: std::ops::Range<usize> = 3 * COLLIDERS..3 * COLLIDERS + 2;
+/// How many weights a body has, which its meshes with so many targets may share.
+pub(super) const SHARED: usize = 2;
 
 /// The rows of a collider's joints.
 pub(super) fn joints_of(row: usize) -> [usize; 2] {
@@ -49,6 +53,8 @@ pub(super) struct Stage {
 pub(super) struct Report {
     pub(super) state: Digest,
     pub(super) messages: Digest,
+    /// Entity events.
+    observed: Digest,
     /// Counts of the run: of pairs that touch, of their triangles, of boxes that overlap, of colliders that are held, and of swept pairs. There are
     /// none during a pause.
     counts: Option<[u64; 5]>,
@@ -109,8 +115,10 @@ impl Stage {
             births: 0,
             seed,
         };
+        observed::observe(&mut stage.app);
         for row in BODIES {
-            stage.spawn(row, (Transform::default(), MorphCollidingEntities::default()));
+            let weights = MorphWeights::new(vec![0.2; SHARED], None).expect("they are few");
+            stage.spawn(row, (Transform::default(), MorphCollidingEntities::default(), weights));
         }
         settle(&mut stage.app);
         // As after a frame.
@@ -182,6 +190,7 @@ impl Stage {
         Report {
             state: state(self.app.world_mut()),
             messages,
+            observed: observed::take(self.app.world_mut(), &mut self.counts),
             counts: has_run.then_some(counts),
         }
     }

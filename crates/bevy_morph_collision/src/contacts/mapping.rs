@@ -100,7 +100,7 @@ mod tests {
 
     use super::*;
     use crate::components::MorphCollisionMode;
-    use crate::contacts::MorphContactPoint;
+    use crate::contacts::{MorphContactPoint, MorphImpactFeatures};
 
     fn contact([a, b]: [Entity; 2]) -> MorphContact {
         let triangles = TrianglePair {
@@ -123,7 +123,16 @@ mod tests {
                 depth: 0.5,
                 triangles,
             }],
-            impact: None,
+            impact: Some(MorphImpact {
+                earliest: 0.25,
+                latest: 0.5,
+                point: Vec3::ONE,
+                normal: Vec3::X,
+                velocity: Vec3::NEG_X,
+                features: MorphImpactFeatures::VertexFace,
+                triangles,
+                barycentrics: [Vec3::X, Vec3::Z],
+            }),
         }
     }
 
@@ -152,6 +161,13 @@ mod tests {
         assert_eq!(
             (turned.triangles[0].triangle_a, turned.points[0].triangles.triangle_a),
             (7, 7)
+        );
+        let impact = turned.impact.expect("it has one");
+        assert_eq!((impact.normal, impact.velocity), (Vec3::NEG_X, Vec3::X));
+        assert_eq!(impact.features, MorphImpactFeatures::FaceVertex);
+        assert_eq!(
+            (impact.triangles.triangle_a, impact.barycentrics),
+            (7, [Vec3::Z, Vec3::X])
         );
         let pairs: Vec<_> = collisions.started().map(MorphContact::pair).collect();
         assert_eq!(pairs, [(b, c), (b, d), (c, d)]);

@@ -105,6 +105,10 @@ determinism-aarch64:
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 
+# The release half for this processor only, with all its instructions, such as fused multiply and add. Compiles everything anew.
+determinism-native:
+    RUSTFLAGS="-C target-cpu=native" cargo run --release --target-dir "${CARGO_TARGET_DIR:-target}/native" -p morph_collision_testkit --bin morph-lab -- determinism
+
 # The same check in WebAssembly, compiled like the web site but run without a browser (needs Node.js).
 determinism-wasm:
     #!/usr/bin/env bash
@@ -175,6 +179,10 @@ demo-check:
     echo "$netcode"
     grep -Eq '"is_in_sync": *true' <<< "$netcode"
 
+# Compares SEEDS runs that are rolled back at random with runs that are not.
+rollback SEEDS="200":
+    MORPH_COLLISION_ROLLBACK_SEEDS={{SEEDS}} cargo test --workspace --test plugin -- rollback --nocapture
+
 # Tries every feature with every kind of collider, and writes docs/combinations.md.
 combinations:
     MORPH_COLLISION_STORE_TABLES=1 cargo test --workspace --test plugin -- combinations --nocapture
@@ -212,6 +220,11 @@ serve PORT="8080":
 # Tests the site in Chromium (CHROMIUM=PATH if it is not /usr/bin/chromium). Screenshots of the pages go to target/web-pictures.
 web-test: web
     node --test --test-concurrency=1 web/tests/*.test.mjs
+
+# Only the determinism test, without building Bevy: in Chromium, and in Firefox if there is one (FIREFOX=PATH if it is not /usr/bin/firefox).
+web-answers:
+    web/build.sh target/web-answers checks
+    SITE=target/web-answers node --test web/tests/answers.test.mjs
 
 # Regenerates the pictures of pages in docs/gallery.md and docs/lint.md from the site.
 web-pictures: web

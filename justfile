@@ -302,12 +302,12 @@ fuzz SECONDS:
         mkdir -p "fuzz/target/corpus/$target"
         # Limits the address space of file readers, in KiB: they must refuse a file that claims gigabytes.
         limit=unlimited
-        case "$target" in gltf* | scene) limit=2000000 ;; esac
+        case "$target" in gltf* | scene | layout | tree_file) limit=2000000 ;; esac
         (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$corpus" -- \
             -max_total_time={{SECONDS}} -max_len=4096 -timeout=10 -print_final_stats=1 "${dictionary[@]}")
     done
 
-# Feeds mutated files to the readers of models and scenes for SECONDS, within 2 GB of address space.
+# Feeds mutated files to the readers of models, scenes and trees for SECONDS, within 2 GB of address space.
 mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin morph-lab
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/morph-lab" mutations {{SECONDS}} {{SEED}}

@@ -105,6 +105,10 @@ determinism-aarch64:
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 
+# The release half for this processor only, with all its instructions, such as fused multiply and add. Compiles everything anew.
+determinism-native:
+    RUSTFLAGS="-C target-cpu=native" cargo run --release --target-dir "${CARGO_TARGET_DIR:-target}/native" -p morph_collision_testkit --bin morph-lab -- determinism
+
 # The same check in WebAssembly, compiled like the web site but run without a browser (needs Node.js).
 determinism-wasm:
     #!/usr/bin/env bash
@@ -175,6 +179,10 @@ demo-check:
     echo "$netcode"
     grep -Eq '"is_in_sync": *true' <<< "$netcode"
 
+# Compares SEEDS runs that are rolled back at random with runs that are not.
+rollback SEEDS="200":
+    MORPH_COLLISION_ROLLBACK_SEEDS={{SEEDS}} cargo test --workspace --test plugin -- rollback --nocapture
+
 # Tries every feature with every kind of collider, and writes docs/combinations.md.
 combinations:
     MORPH_COLLISION_STORE_TABLES=1 cargo test --workspace --test plugin -- combinations --nocapture
@@ -212,6 +220,11 @@ serve PORT="8080":
 # Tests the site in Chromium (CHROMIUM=PATH if it is not /usr/bin/chromium). Screenshots of the pages go to target/web-pictures.
 web-test: web
     node --test --test-concurrency=1 web/tests/*.test.mjs
+
+# Only the determinism test, without building Bevy: in Chromium, and in Firefox if there is one (FIREFOX=PATH if it is not /usr/bin/firefox).
+web-answers:
+    web/build.sh target/web-answers checks
+    SITE=target/web-answers node --test web/tests/answers.test.mjs
 
 # Regenerates the pictures of pages in docs/gallery.md and docs/lint.md from the site.
 web-pictures: web
@@ -289,12 +302,12 @@ fuzz SECONDS:
         mkdir -p "fuzz/target/corpus/$target"
         # Limits the address space of file readers, in KiB: they must refuse a file that claims gigabytes.
         limit=unlimited
-        case "$target" in gltf* | scene) limit=2000000 ;; esac
+        case "$target" in gltf* | scene | layout | tree_file) limit=2000000 ;; esac
         (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$corpus" -- \
             -max_total_time={{SECONDS}} -max_len=4096 -timeout=10 -print_final_stats=1 "${dictionary[@]}")
     done
 
-# Feeds mutated files to the readers of models and scenes for SECONDS, within 2 GB of address space.
+# Feeds mutated files to the readers of models, scenes and trees for SECONDS, within 2 GB of address space.
 mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin morph-lab
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/morph-lab" mutations {{SECONDS}} {{SEED}}
@@ -314,6 +327,7 @@ soak FRAMES="36000" SEED="1":
     wait $second || { cat "$results/second"; exit 1; }
     hash() { grep '^ *hash ' "$results/$1"; }
     if [ "$(hash first)" != "$(hash second)" ]; then echo "the second run differs:"; cat "$results/second"; exit 1; fi
+    "$results/soak" --frames {{FRAMES}} --seed {{SEED}} --reload-in-play --progress 100000
 
 # --only TOPIC measures one page, --quick makes rough numbers, --render only writes the pages again.
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Puts the site together in DIR: the programs, small, the pages, the models and the pictures, and how large each file is.
+# build.sh DIR checks makes only the pages without Bevy work, which takes a few minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 site=${1:?a folder to put the site into}
@@ -26,13 +27,17 @@ build() {
         cp "$work/${name}_bg.wasm" "$work/${name}_shrunk_from.wasm"
     fi
 }
+programs=(checks)
 build checks morph_collision_web_checks
-build shows morph_collision_web
-build physics morph_collision_web --features physics
+if [ "${2:-}" != checks ]; then
+    programs+=(shows physics)
+    build shows morph_collision_web
+    build physics morph_collision_web --features physics
+fi
 
 rm -rf "$site"
 mkdir -p "$site/assets" "$site/pictures"
-for name in checks shows physics; do
+for name in "${programs[@]}"; do
     cp "$work/$name.js" "$site/$name.js"
     cp "$work/${name}_shrunk.wasm" "$site/${name}_bg.wasm"
 done

@@ -20,8 +20,10 @@ pub(crate) enum Kind {
     Dolphin,
     /// A mesh made in code. The game writes its weights.
     Blob,
-    /// A rigid body of the physics engine, and a shape.
+    /// A rigid body of the physics engine, which only it knows.
     Body,
+    /// A shape that the game moves.
+    Shape,
 }
 
 impl Kind {
@@ -31,7 +33,8 @@ impl Kind {
             Self::Hill => 1,
             Self::Character | Self::Blob => 2,
             Self::Dolphin => 3,
-            Self::Body => 10,
+            Self::Body => 6,
+            Self::Shape => 5,
         }
     }
 
@@ -41,7 +44,7 @@ impl Kind {
             Self::Hill => Some(0),
             Self::Character => Some(1),
             Self::Dolphin => Some(2),
-            Self::Blob | Self::Body => None,
+            Self::Blob | Self::Body | Self::Shape => None,
         }
     }
 
@@ -52,7 +55,7 @@ impl Kind {
             Self::Character => 0.1,
             Self::Dolphin => 0.6,
             Self::Blob => 0.4,
-            Self::Body => 1.0,
+            Self::Body | Self::Shape => 1.0,
         }
     }
 
@@ -129,7 +132,7 @@ impl Way {
         let height = match kind {
             Kind::Hill => 0.0..0.01,
             Kind::Character => -0.2..0.4,
-            Kind::Dolphin | Kind::Blob => 0.8..1.8,
+            Kind::Dolphin | Kind::Blob | Kind::Shape => 0.8..1.8,
             Kind::Body => 2.0..4.0,
         };
         let radius = if kind == Kind::Hill {
@@ -161,31 +164,18 @@ impl Way {
     }
 }
 
-/// A ball, a box, a capsule or a hull that falls. Half of them are also compared on their way.
+/// A ball, a box or a capsule that falls.
 pub(crate) fn spawn_body(stage: &mut Stage, rng: &mut Pcg64Mcg, way: &Way) -> Entity {
     let size = rng.random_range(0.1..0.25_f32);
-    let half_extents = size * Vec3::new(1.0, 0.8, 0.6);
-    let (collider, shape) = match rng.random_range(0..3) {
-        0 => (Collider::ball(size), MorphShape::Ball { radius: size }),
-        1 => (
-            Collider::cuboid(half_extents.x, half_extents.y, half_extents.z),
-            MorphShape::Cuboid { half_extents },
-        ),
-        _ => (
-            Collider::capsule_y(size, 0.5 * size),
-            MorphShape::Capsule {
-                half_length: size,
-                radius: 0.5 * size,
-            },
-        ),
+    let collider = match rng.random_range(0..3) {
+        0 => Collider::ball(size),
+        1 => Collider::cuboid(size, 0.8 * size, 0.6 * size),
+        _ => Collider::capsule_y(size, 0.5 * size),
     };
-    let mode = MorphCollider::new(MorphCollisionMode::First).with_continuous(rng.random_bool(0.5));
     let (at, rotation) = way.at(0.0);
     let body = (
         RigidBody::Dynamic,
         collider,
-        shape,
-        mode,
         Velocity::default(),
         Damping {
             linear_damping: 0.1,
@@ -195,4 +185,31 @@ pub(crate) fn spawn_body(stage: &mut Stage, rng: &mut Pcg64Mcg, way: &Way) -> En
         Visibility::default(),
     );
     stage.app.world_mut().spawn(body).id()
+}
+
+/// A ball, a box, a capsule or a cone, which is a collider. Half of them are also compared on their way.
+pub(crate) fn spawn_shape(stage: &mut Stage, rng: &mut Pcg64Mcg, way: &Way) -> Entity {
+    let size = rng.random_range(0.1..0.25_f32);
+    let shape = match rng.random_range(0..4) {
+        0 => MorphShape::Ball { radius: size },
+        1 => MorphShape::Cuboid {
+            half_extents: size * Vec3::new(1.0, 0.8, 0.6),
+        },
+        2 => MorphShape::Capsule {
+            half_length: size,
+            radius: 0.5 * size,
+        },
+        _ => MorphShape::Cone {
+            half_height: size,
+            radius: 0.5 * size,
+        },
+    };
+    let mode = MorphCollider::new(MorphCollisionMode::First).with_continuous(rng.random_bool(0.5));
+    let (at, rotation) = way.at(0.0);
+    let place = Transform::from_translation(at).with_rotation(rotation);
+    stage
+        .app
+        .world_mut()
+        .spawn((shape, mode, place, Visibility::default()))
+        .id()
 }

@@ -36,8 +36,6 @@ pub(crate) struct Events {
     pub(crate) bodies_ended: u64,
     pub(crate) self_started: u64,
     pub(crate) self_ended: u64,
-    /// Regions of meshes that were despawned or no longer compared with themselves. No message says that they ended.
-    pub(crate) self_left: u64,
 }
 
 impl Balance {
@@ -92,11 +90,6 @@ impl Balance {
     }
 
     fn compare(&mut self, world: &mut World) -> Result<(), String> {
-        let before = self.open_regions.len();
-        let is_compared = |entity| world.get::<MorphSelfCollisions>(entity).is_some();
-        self.open_regions.retain(|&(entity, _)| is_compared(entity));
-        self.events.self_left += (before - self.open_regions.len()) as u64;
-
         let collisions = world.resource::<MorphCollisions>();
         let (mut colliders, mut bodies) = (BTreeSet::new(), BTreeSet::new());
         for contact in collisions.iter() {

@@ -4,7 +4,6 @@ use std::fmt;
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use bevy_rapier3d::prelude::RigidBody;
 
 use crate::questions::ask;
 use crate::stage::Stage;
@@ -63,13 +62,13 @@ impl Digest {
         self.impact(contact.impact);
     }
 
-    /// Contacts, lists, where physics moved bodies to, hits of casters, places of anchors, and answers to questions.
+    /// Contacts, hits of casters, places of anchors, and answers to questions.
     pub(crate) fn add_frame(&mut self, stage: &mut Stage, question: u64) {
         let world = stage.app.world_mut();
         for contact in world.resource::<MorphCollisions>().iter() {
             self.contact(contact);
         }
-        let mut placed = world.query_filtered::<&Transform, Or<(With<RigidBody>, With<MorphSurfaceAnchor>)>>();
+        let mut placed = world.query_filtered::<&Transform, With<MorphSurfaceAnchor>>();
         // In no order that is promised.
         let places = placed.iter(world).map(|place| {
             let mut digest = Self::default();

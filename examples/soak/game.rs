@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-use crate::actors::{Kind, Way, spawn_body};
+use crate::actors::{Kind, Way, spawn_body, spawn_shape};
 use crate::operations::operate;
 use crate::stage::Stage;
 
@@ -31,6 +31,8 @@ pub(crate) struct Game {
     pub(crate) counts: Actions,
     /// The frame of the cycle in which an asset changes.
     reload_at: u64,
+    /// Whether models are also loaded again while they are on the stage.
+    reloads_in_play: bool,
 }
 
 pub(crate) struct Actor {
@@ -51,13 +53,14 @@ pub(crate) struct Actions {
 }
 
 impl Game {
-    pub(crate) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64, reloads_in_play: bool) -> Self {
         Self {
             rng: Pcg64Mcg::seed_from_u64(seed),
             actors: Vec::new(),
             props: Vec::new(),
             counts: Actions::default(),
             reload_at: 0,
+            reloads_in_play,
         }
     }
 
@@ -71,11 +74,19 @@ impl Game {
         match frame {
             0 => {
                 self.reload_at = self.rng.random_range(1..END);
-                for kind in [Kind::Hill, Kind::Character, Kind::Dolphin, Kind::Body, Kind::Body] {
+                for kind in [
+                    Kind::Hill,
+                    Kind::Character,
+                    Kind::Dolphin,
+                    Kind::Body,
+                    Kind::Body,
+                    Kind::Shape,
+                ] {
                     self.spawn(stage, kind);
                 }
             }
             END => self.clear(stage),
+            EMPTY if !self.reloads_in_play && self.rng.random_bool(0.1) => self.reload_model(stage)?,
             _ if frame > END => {}
             _ => {
                 if self.rng.random_bool(0.15) {
@@ -100,6 +111,7 @@ impl Game {
         let (at, rotation) = way.at(0.0);
         let root = match kind {
             Kind::Body => spawn_body(stage, &mut self.rng, &way),
+            Kind::Shape => spawn_shape(stage, &mut self.rng, &way),
             _ => kind.spawn(stage, Transform::from_translation(at).with_rotation(rotation)),
         };
         self.counts.spawned += 1;
@@ -124,17 +136,18 @@ impl Game {
     }
 
     fn reload(&mut self, stage: &mut Stage) -> Result<(), ExampleError> {
-        match self.rng.random_range(0..20) {
-            0 => stage.reload(0)?,
-            1 => stage.reload(1)?,
-            2..6 => stage.reload(2)?,
-            shape => {
-                self.counts.replaced_meshes += 1;
-                return stage.reshape(shape);
-            }
+        if self.reloads_in_play && self.rng.random_bool(0.3) {
+            return self.reload_model(stage);
         }
+        self.counts.replaced_meshes += 1;
+        stage.reshape(self.rng.random_range(0..20))
+    }
+
+    fn reload_model(&mut self, stage: &mut Stage) -> Result<(), ExampleError> {
         self.counts.reloaded_models += 1;
-        Ok(())
+        // The last one is small.
+        let model = [0, 1, 2, 2, 2, 2][self.rng.random_range(0..6)];
+        stage.reload(model)
     }
 
     /// Moves what the game moves.
@@ -146,7 +159,7 @@ impl Game {
             let (at, rotation) = actor.way.at(seconds);
             match actor.kind {
                 Kind::Hill => {}
-                Kind::Character | Kind::Dolphin | Kind::Blob => {
+                Kind::Character | Kind::Dolphin | Kind::Blob | Kind::Shape => {
                     if let Some(mut place) = entity.get_mut::<Transform>() {
                         (place.translation, place.rotation) = (at, rotation);
                     }
@@ -155,7 +168,7 @@ impl Game {
                     let has_left = |place: &Transform| place.translation.y < ABYSS;
                     if entity.get::<Transform>().is_some_and(has_left) {
                         let place = Transform::from_translation(at).with_rotation(rotation);
-                        entity.insert((place, Velocity::default(), MorphTeleported));
+                        entity.insert((place, Velocity::default()));
                     }
                 }
             }

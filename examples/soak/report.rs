@@ -38,11 +38,8 @@ impl fmt::Display for Report {
         writeln!(f, "  colliders      {} started, {} ended", events.started, events.ended)?;
         let (started, ended) = (events.bodies_started, events.bodies_ended);
         writeln!(f, "  bodies         {started} started, {ended} ended")?;
-        let (started, ended, left) = (events.self_started, events.self_ended, events.self_left);
-        writeln!(
-            f,
-            "  regions        {started} started, {ended} ended, {left} left with their meshes"
-        )?;
+        let (started, ended) = (events.self_started, events.self_ended);
+        writeln!(f, "  regions        {started} started, {ended} ended")?;
         let (spawned, changed) = (actions.spawned, actions.changed_components);
         writeln!(
             f,

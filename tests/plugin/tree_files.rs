@@ -265,6 +265,19 @@ fn files_that_are_damaged_are_refused_by_name() {
     newer[8] += 1;
     assert_refused(&warnings(&newer), &["it has version 2."]);
     assert_refused(&warnings(b"<!DOCTYPE html>"), &["not a file of trees"]);
+    // The same tree twice, and one of another number of triangles.
+    let mut repeated = bake(&model, &BakeOptions::default());
+    repeated.trees.push(repeated.trees[0].clone());
+    let again = "`morph-collide bake`";
+    assert_refused(
+        &warnings(&repeated.to_bytes()),
+        &["two trees of the mesh `Mesh0/Primitive0`", again],
+    );
+    let mut smaller = bake(&model, &BakeOptions::default());
+    let mut json = serde_json::to_value(&smaller.trees[0].layout).unwrap();
+    json["triangles"].as_array_mut().unwrap().pop();
+    smaller.trees[0].layout = serde_json::from_value(json).unwrap();
+    assert_refused(&warnings(&smaller.to_bytes()), &["another mesh", again]);
     // A tree over more triangles than there are.
     let mut broken = bake(&model, &BakeOptions::default());
     let mut json = serde_json::to_value(&broken.trees[0].layout).unwrap();

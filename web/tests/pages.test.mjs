@@ -183,18 +183,6 @@ test("the gallery leads to every page, with pictures", async () => {
   await page.close();
 });
 
-test("answers are the same bits as on every other machine", async () => {
-  const { page, errors } = await visit(browser.browser, `${site.origin}/answers.html`);
-  await until(page, () => window.answers?.done || window.answers?.trouble);
-  const answers = await page.evaluate(() => window.answers);
-  assert.equal(answers.trouble, null);
-  assert.deepEqual(answers.differences, []);
-  assert.ok(answers.scenes > 20, `${answers.scenes} scenes`);
-  await keep(page, "answers");
-  assert.deepEqual(errors, []);
-  await page.close();
-});
-
 test("a browser that cannot draw is told so", async () => {
   const blind = await open({ drawing: false });
   try {

@@ -13,6 +13,7 @@ const SITE = process.env.SITE ?? "target/web-site";
 /** Where pictures of the pages go, for people to look at. */
 const PICTURES = process.env.PICTURES ?? "target/web-pictures";
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+export const FIREFOX = process.env.FIREFOX ?? "/usr/bin/firefox";
 /** How many milliseconds a condition may take: software draws slowly, above all beside other work. */
 const PATIENCE = 1000 * Number(process.env.PATIENCE ?? 240);
 
@@ -39,11 +40,12 @@ export async function serve() {
 }
 
 /** A browser with a profile of its own. */
-export async function open({ drawing = true } = {}) {
+export async function open({ drawing = true, firefox = false } = {}) {
   const profile = mkdtempSync(join(tmpdir(), "morph-collision-browser-"));
   const browser = await puppeteer.launch({
-    executablePath: CHROMIUM,
-    args: [...FLAGS, ...(drawing ? DRAWING : NOT_DRAWING), "--window-size=1100,900"],
+    browser: firefox ? "firefox" : "chrome",
+    executablePath: firefox ? FIREFOX : CHROMIUM,
+    args: firefox ? [] : [...FLAGS, ...(drawing ? DRAWING : NOT_DRAWING), "--window-size=1100,900"],
     defaultViewport: { width: 1000, height: 800 },
     userDataDir: profile,
     protocolTimeout: PATIENCE + 60_000,

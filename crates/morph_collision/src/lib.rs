@@ -60,6 +60,8 @@
 //! proof > query > traverse > pose > tree > bounds, model > joints > exact, hash, input_error
 //! ```
 #![forbid(unsafe_code)]
+// Tests make their shapes in any way.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
 // docs.rs shows which feature an item needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -33,7 +33,7 @@ pub enum CliError {
     /// Boxed because it is by far the largest.
     #[error("{}{}", .0, Remedy::hint(.0.remedy()))]
     Read(Box<ReadError>),
-    #[error("{}{}", .0, Remedy::hint(over_limit(matches!(.0, SceneError::OverBudget { .. }))))]
+    #[error("{}{}", .0, Remedy::hint(.0.remedy()))]
     Scene(#[from] SceneError),
     /// A model where a scene is expected.
     #[error(

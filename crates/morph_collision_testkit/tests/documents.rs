@@ -1,4 +1,4 @@
-//! Links in the repository's documents lead somewhere.
+//! Links in the repository's documents lead somewhere, and the tests and commands that they promise exist.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -151,6 +151,53 @@ fn documents_that_sources_name_exist() -> Result<(), Box<dyn Error>> {
         missing.join("\n")
     );
     assert!(count > 10, "only {count} documents are named");
+    Ok(())
+}
+
+/// The texts between backticks, and the files that are linked, of a line of a document.
+fn code_and_files(line: &str) -> (Vec<String>, Vec<String>) {
+    let (mut code, mut files) = (Vec::new(), Vec::new());
+    for event in Parser::new(line) {
+        match event {
+            Event::Code(text) => code.push(text.to_string()),
+            Event::Start(Tag::Link { dest_url, .. }) => files.push(dest_url.to_string()),
+            _ => {}
+        }
+    }
+    (code, files)
+}
+
+#[test]
+fn tests_and_commands_that_guarantees_name_exist() -> Result<(), Box<dyn Error>> {
+    let recipes = fs::read_to_string(root().join("justfile"))?;
+    let is_recipe = |name: &str| {
+        let mut lines = recipes.lines().filter_map(|line| line.strip_prefix(name));
+        lines.any(|rest| rest.starts_with([':', ' ']))
+    };
+    let (mut missing, mut count) = (Vec::new(), [0, 0]);
+    for line in fs::read_to_string(root().join("docs/guarantees.md"))?.lines() {
+        let (code, files) = code_and_files(line);
+        let files = files.iter().filter(|file| file.ends_with(".rs"));
+        let sources: String = files
+            .map(|file| fs::read_to_string(root().join("docs").join(file)))
+            .collect::<Result<_, _>>()?;
+        for name in code {
+            let is_there = if let Some(command) = name.strip_prefix("just ") {
+                count[0] += 1;
+                is_recipe(command.split(' ').next().unwrap_or_default())
+            } else if name.matches('_').count() > 2 {
+                count[1] += 1;
+                sources.contains(&format!("fn {name}("))
+            } else {
+                continue;
+            };
+            if !is_there {
+                missing.push(name);
+            }
+        }
+    }
+    assert!(missing.is_empty(), "not there: {missing:?}");
+    assert!(count[0] > 15 && count[1] > 25, "only {count:?} commands and tests");
     Ok(())
 }
 

@@ -290,6 +290,34 @@ fn every_field_can_be_read_and_changed() {
                         .map(Vec::len),
                     Some(4)
                 );
+                let sphere = |points: u32| {
+                    let points = (0..points).map(|i| {
+                        let (sin, cos) = (i as f32).sin_cos();
+                        let z = (i as f32 * 0.37).sin();
+                        json!([cos * (1.0 - z * z).sqrt(), sin * (1.0 - z * z).sqrt(), z])
+                    });
+                    Value::Array(points.collect())
+                };
+                for (points, says) in [
+                    (json!([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), "no volume"),
+                    (
+                        json!([[0.0, 0.0, 0.0], [1e38, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+                        "point 1",
+                    ),
+                    (
+                        json!([[0.0, 0.0, null], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+                        "null",
+                    ),
+                    (sphere(20_000), "more than 4096 corners"),
+                    (
+                        Value::Array(vec![json!([0.0, 0.0, 0.0]); 65_537]),
+                        "at most 65536 points",
+                    ),
+                ] {
+                    let refused = app.mutate(entity, &path, "", &json!({ "ConvexHull": points }));
+                    let error = refused.expect_err("it is no hull");
+                    assert!(error.contains(says), "{error}");
+                }
             }
         }
     }

@@ -1,18 +1,21 @@
 //! Convex hulls as shapes.
 
+use std::fmt;
 use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use morph_collision::{ConvexHull, HullError, InputError};
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// The convex hull of points, for [`MorphShape::ConvexHull`](super::MorphShape::ConvexHull). Cloning it is cheap.
 ///
 /// Every test looks at each corner, so a hull of few points is fast: take a coarse mesh, or a few points of it. An entity with a scale scales the hull
 /// whenever it moves; for a hull of many points, scale the points instead.
 ///
-/// Reflection sees it as one value. In files it is a list of points.
+/// Reflection sees it as one value. In files it is a list of at most 65,536 points; the hull of more is made by [`MorphConvexHull::new`], and what
+/// is written of it are its corners.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -26,7 +29,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Reflect, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(opaque, Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<[f32; 3]>", into = "Vec<[f32; 3]>")]
+#[serde(try_from = "Points", into = "Vec<[f32; 3]>")]
 pub struct MorphConvexHull(Arc<ConvexHull>);
 
 impl MorphConvexHull {
@@ -56,10 +59,42 @@ impl MorphConvexHull {
     }
 }
 
-impl TryFrom<Vec<[f32; 3]>> for MorphConvexHull {
+/// The points of a hull in a file.
+#[derive(Deserialize)]
+#[serde(transparent)]
+struct Points(#[serde(deserialize_with = "at_most")] Vec<[f32; 3]>);
+
+/// At most so many points are read from a file.
+const MOST_POINTS: usize = 65_536;
+
+/// Reads a list of points that is not too long, without its rest.
+fn at_most<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<[f32; 3]>, D::Error> {
+    struct List;
+    impl<'de> Visitor<'de> for List {
+        type Value = Vec<[f32; 3]>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "at most {MOST_POINTS} points of a convex hull")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let mut points = Vec::new();
+            while let Some(point) = list.next_element()? {
+                if points.len() == MOST_POINTS {
+                    return Err(A::Error::invalid_length(MOST_POINTS + 1, &self));
+                }
+                points.push(point);
+            }
+            Ok(points)
+        }
+    }
+    deserializer.deserialize_seq(List)
+}
+
+impl TryFrom<Points> for MorphConvexHull {
     type Error = HullError;
 
-    fn try_from(points: Vec<[f32; 3]>) -> Result<Self, HullError> {
+    fn try_from(Points(points): Points) -> Result<Self, HullError> {
         let points: Vec<Vec3> = points.into_iter().map(Vec3::from).collect();
         Self::new(&points)
     }

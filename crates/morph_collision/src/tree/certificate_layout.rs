@@ -48,7 +48,7 @@ impl CertificateLayout {
             is_complete: front.is_complete,
             checksum: 0,
         };
-        layout.checksum = layout.sum();
+        layout.correct();
         layout
     }
 
@@ -85,11 +85,35 @@ impl CertificateLayout {
                 .ok_or(corrupt("a pair of nodes is invalid"))?,
             is_complete: self.is_complete,
         };
+        if !self.is_without_repeats() {
+            return Err(corrupt("an entry is there twice, or not in order"));
+        }
+        if !covers_once(topology, &front.apart) {
+            return Err(corrupt("there are more pairs of leaves than in the tree"));
+        }
         Ok(SelfCertificates {
             weights,
             topology: Arc::clone(topology),
             front,
         })
+    }
+
+    /// Whether neighbours ascend, as they are written, and nodes that are apart are different. Repeats would make queries slower, and their
+    /// answers longer.
+    fn is_without_repeats(&self) -> bool {
+        let mut apart: Vec<_> = self
+            .apart
+            .iter()
+            .map(|&(node, lane, group, _)| (node, lane, group))
+            .collect();
+        apart.sort_unstable();
+        let neighbours = self.neighbours.windows(2);
+        neighbours.into_iter().all(|pair| key(pair[0]) < key(pair[1])) && apart.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    /// Gives changed certificates the right checksum, for tests and fuzzing.
+    pub(super) fn correct(&mut self) {
+        self.checksum = self.sum();
     }
 
     /// A hash of everything but the checksum.
@@ -121,6 +145,29 @@ impl CertificateLayout {
             .chain(apart);
         hash(START, all)
     }
+}
+
+/// The leaves, then the patches.
+fn key((a, b, i, j, _): (u32, u32, u8, u8, u64)) -> (u32, u32, u8, u8) {
+    (a, b, i, j)
+}
+
+/// Whether there are not more pairs of leaves below nodes that are apart than pairs of different leaves: no pair is below two of them.
+fn covers_once(topology: &Topology, apart: &[Apart]) -> bool {
+    let below = |child| {
+        let [first, last] = topology.leaves_below(child);
+        (last.0 - first.0 + 1) as u64
+    };
+    let covered = apart.iter().fold(0_u64, |sum, step| {
+        let children = topology.group(step.group as usize).children();
+        let others: u64 = lanes_of(step.mask)
+            .filter_map(|lane| children.get(lane))
+            .map(|&child| below(child))
+            .sum();
+        sum.saturating_add(below(step.node.child(topology)).saturating_mul(others))
+    });
+    let leaves = topology.leaf_count() as u64;
+    covered <= leaves * leaves.saturating_sub(1) / 2
 }
 
 /// `None` if the tree has no such patches, or some of these triangles share a vertex.
@@ -157,7 +204,7 @@ fn apart(topology: &Topology, (node, lane, group, mask): (u32, u8, u32, u8)) -> 
 
 #[cfg(test)]
 mod tests {
-    use morph_collision_models::generated::random::random_blob;
+    use morph_collision_models::generated::random::{random_blob, triangle_soup};
 
     use super::*;
     use crate::model::MorphModel;
@@ -172,7 +219,7 @@ mod tests {
         let proof = SelfProof::new(&bvh, &WeightBox::unit(2), Effort::default()).unwrap();
         let layout = CertificateLayout::new(&proof.certificates(&proof.run()).unwrap());
         assert!(layout.restore(&bvh).is_ok());
-        let breaks: [fn(&mut CertificateLayout); 14] = [
+        let breaks: [fn(&mut CertificateLayout); 17] = [
             |layout| layout.low[0] = f32::NAN,
             |layout| layout.high[1] = -1.0,
             |layout| layout.low.push(0.0),
@@ -191,19 +238,62 @@ mod tests {
             // A node and itself, and a triangle and itself.
             |layout| (layout.apart[0].2, layout.apart[0].3) = (layout.apart[0].0, 1 << layout.apart[0].1),
             |layout| layout.neighbours[0] = (0, 0, 0, 0, 1),
+            |layout| layout.neighbours.insert(1, layout.neighbours[0]),
+            |layout| layout.neighbours.swap(0, 1),
+            |layout| layout.apart.push(layout.apart[0]),
         ];
         for (index, damage) in breaks.iter().enumerate() {
             let mut broken = layout.clone();
             damage(&mut broken);
             assert!(broken.restore(&bvh).is_err(), "{index}");
-            broken.checksum = broken.sum();
+            broken.correct();
             let error = broken.restore(&bvh).err().map(|error| error.to_string());
             let error = error.unwrap_or_else(|| panic!("{index} is accepted"));
             assert!(!error.contains("checksum"), "{error}");
             assert!(
-                error.starts_with("tree layout: certificates: ") && error.ends_with("invalid") || index < 4,
-                "{error}"
+                error.starts_with("tree layout: certificates: ") && error.ends_with("invalid")
+                    || index < 4
+                    || index > 13 && error.contains("twice"),
+                "{index}: {error}"
             );
         }
+    }
+    /// Every pair of different leaves, each way round, although no entry is there twice.
+    #[test]
+    fn more_pairs_of_leaves_than_there_are_are_refused() {
+        let soup = triangle_soup(3, 40, 0);
+        let model = MorphModel::from_displacements(&soup.positions, &soup.triangles, &soup.targets).unwrap();
+        let options = BuildOptions::default().with_leaf_size(1).unwrap();
+        let bvh = Arc::new(MorphBvh::build(Arc::new(model), &options));
+        let topology = &bvh.topology;
+        let mut layout = CertificateLayout {
+            low: Vec::new(),
+            high: Vec::new(),
+            neighbours: Vec::new(),
+            apart: Vec::new(),
+            is_complete: true,
+            checksum: 0,
+        };
+        for node in 0..topology.group_count() as u32 {
+            for lane in 0..LANES as u8 {
+                for group in 0..topology.group_count() as u32 {
+                    let masks = (0..LANES).map(|other| 1 << other);
+                    let masks = masks.filter(|&mask| apart(topology, (node, lane, group, mask)).is_some());
+                    let mask = masks.sum();
+                    layout.apart.extend((mask != 0).then_some((node, lane, group, mask)));
+                }
+            }
+        }
+        layout.correct();
+        let error = layout.restore(&bvh).err().map(|error| error.to_string());
+        assert!(
+            error
+                .as_ref()
+                .is_some_and(|error| error.contains("more pairs of leaves")),
+            "{error:?}"
+        );
+        layout.apart.truncate(1);
+        layout.correct();
+        assert!(layout.restore(&bvh).is_ok());
     }
 }

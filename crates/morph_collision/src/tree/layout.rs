@@ -18,6 +18,8 @@ use crate::model::MorphModel;
 /// [`MorphBvh::from_layout`] measures the boxes again on the mesh. This is cheaper than splitting, keeps files small, and means
 /// that corrupt nodes cannot make an answer wrong. Certificates ([`MorphBvh::set_certificates`]) are stored, too, with a checksum.
 ///
+/// Reading one takes memory in proportion to its bytes, whatever mesh it is for, so limit the bytes of files that are not your own.
+///
 /// ```
 /// # use std::sync::Arc;
 /// # use glam::Vec3;
@@ -53,10 +55,24 @@ impl TreeLayout {
         self.fingerprint
     }
 
+    /// The number of triangles that it lists. Only a mesh with as many has this tree.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
     /// How the tree was built.
     #[must_use]
     pub fn options(&self) -> &BuildOptions {
         &self.options
+    }
+
+    /// Gives changed certificates the right checksum, for tests and fuzzing.
+    #[doc(hidden)]
+    pub fn correct_certificates(&mut self) {
+        if let Some(certificates) = &mut self.certificates {
+            certificates.correct();
+        }
     }
 
     pub(super) fn check(&self, model: &MorphModel) -> Result<(), LayoutError> {
@@ -113,8 +129,8 @@ impl TreeLayout {
             let Some(counts) = self.nodes.get(entry..entry + children) else {
                 return Err(broken);
             };
-            let sum: usize = counts.iter().map(|&count| count as usize).sum();
-            if children > 0 && sum != count || counts.contains(&0) {
+            let sum: u64 = counts.iter().map(|&count| u64::from(count)).sum();
+            if children > 0 && sum != count as u64 || counts.contains(&0) {
                 return Err(broken);
             }
             rest.extend(counts.iter().rev().map(|&count| (count as usize, depth + 1)));

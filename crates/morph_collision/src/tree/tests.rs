@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use morph_collision_models::generated::{degenerate, dolphin, random};
 
+use super::build::MAX_DEPTH;
 use super::validate_tests::validate;
 use super::*;
 use crate::input_error::InputError;
@@ -113,6 +114,30 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
         MorphBvh::from_layout(model, &serde_json::from_value(newer).unwrap()).unwrap_err(),
         LayoutError::Version { found: 4 }
     );
+}
+
+#[test]
+fn a_layout_may_be_as_deep_as_a_tree_and_no_deeper() {
+    for depth in [MAX_DEPTH, MAX_DEPTH + 1] {
+        let triangles = depth + 1;
+        let model = model_of(&random::triangle_soup(9, triangles, 0));
+        let options = BuildOptions::default().with_leaf_size(1).unwrap();
+        let mut json = serde_json::to_value(MorphBvh::build(model.clone(), &options).layout()).unwrap();
+        // A chain: each node has a leaf and the rest.
+        let chain = (1..triangles).rev().flat_map(|rest| [2, 1, rest, 0]);
+        json["nodes"] = chain.chain([0]).collect();
+        match MorphBvh::from_layout(model, &serde_json::from_value(json).unwrap()) {
+            Ok(bvh) => {
+                validate(&bvh);
+                assert_eq!(depth, MAX_DEPTH);
+            }
+            Err(error) => {
+                assert_eq!(depth, MAX_DEPTH + 1);
+                let entry = 4 * MAX_DEPTH;
+                assert_eq!(error, LayoutError::Nodes { entry });
+            }
+        }
+    }
 }
 
 #[test]

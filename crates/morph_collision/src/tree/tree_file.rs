@@ -11,6 +11,8 @@ use crate::hash::{START, hash};
 
 /// The version of the file. Raise it when what serde writes of [`TreeFile`] changes.
 const FORMAT: u32 = 1;
+/// The bytes of a tree with nothing in it: one for each field.
+const SMALLEST: usize = 8;
 const MAGIC: [u8; 8] = *b"MorphBVH";
 /// Magic number, two versions and a checksum.
 const HEADER: usize = MAGIC.len() + 2 * size_of::<u32>() + size_of::<u64>();
@@ -77,7 +79,8 @@ impl TreeFile {
         Self::forged(&postcard::to_allocvec(self).unwrap_or_default())
     }
 
-    /// Reads a file. Takes at most a mebibyte and about 32 times as much memory as the file, whatever is in it.
+    /// Reads a file. Takes at most a mebibyte and 32 times as much memory as the file, whatever is in it, so limit the bytes of files that are
+    /// not your own.
     ///
     /// # Errors
     /// [`TreeFileError`] if it is no such file, has another version, or is damaged. Whether a layout fits a mesh is checked when its tree is
@@ -94,11 +97,7 @@ impl TreeFile {
         if u64::from_le_bytes(*sum) != checksum(trees) {
             return Err(TreeFileError::Damaged);
         }
-        // serde never reserves more than a mebibyte for a length that is only claimed.
-        match postcard::take_from_bytes(trees) {
-            Ok((file, [])) => Ok(file),
-            _ => Err(TreeFileError::Damaged),
-        }
+        read_trees(trees).ok_or(TreeFileError::Damaged)
     }
 
     /// A file with any bytes for its trees and the right checksum, for tests and fuzzing.
@@ -112,6 +111,22 @@ impl TreeFile {
         bytes.extend(trees);
         bytes
     }
+}
+
+/// As serde would read a [`TreeFile`], but without a list that grows: while it moves, it would take three times the size of its trees. In a
+/// tree, serde never reserves more than a mebibyte for a length that is only claimed.
+fn read_trees(bytes: &[u8]) -> Option<TreeFile> {
+    let (count, mut rest) = postcard::take_from_bytes::<usize>(bytes).ok()?;
+    if count > rest.len() / SMALLEST {
+        return None;
+    }
+    let mut trees = Vec::with_capacity(count);
+    for _ in 0..count {
+        let (tree, after) = postcard::take_from_bytes(rest).ok()?;
+        trees.push(tree);
+        rest = after;
+    }
+    rest.is_empty().then_some(TreeFile { trees })
 }
 
 fn checksum(bytes: &[u8]) -> u64 {
@@ -197,6 +212,23 @@ mod tests {
             flipped[at] ^= 1;
             assert_eq!(read(&flipped), TreeFileError::Damaged, "{at}");
         }
+    }
+
+    #[test]
+    fn no_more_trees_are_claimed_than_the_bytes_have_room_for() {
+        let smallest = [0, 0, 0, 0, 1, 0, 0, 0];
+        assert_eq!(smallest.len(), SMALLEST);
+        let read = |count: u8, trees: usize| {
+            let bytes = [&[count][..], &smallest.repeat(trees)].concat();
+            TreeFile::from_bytes(&TreeFile::forged(&bytes)).map(|file| file.trees.len())
+        };
+        assert_eq!(read(100, 100), Ok(100));
+        for (count, trees) in [(100, 99), (99, 100), (1, 0)] {
+            assert_eq!(read(count, trees), Err(TreeFileError::Damaged));
+        }
+        // 2^63 trees.
+        let claimed = TreeFile::forged(&[&[0x80; 9][..], &[1], &smallest].concat());
+        assert_eq!(TreeFile::from_bytes(&claimed), Err(TreeFileError::Damaged));
     }
 
     proptest! {

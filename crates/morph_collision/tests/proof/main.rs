@@ -1,4 +1,5 @@
 //! Proofs for all weights, compared with queries for many.
+#![allow(clippy::disallowed_methods)]
 
 mod certificates;
 mod contradictions;

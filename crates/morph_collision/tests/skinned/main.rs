@@ -2,6 +2,7 @@
 //!
 //! Positions, weights and joints are multiples of small powers of two, so a rigid mesh can represent the vertices of the skinned mesh
 //! exactly. All answers must be equal bit for bit.
+#![allow(clippy::disallowed_methods)]
 
 use std::sync::Arc;
 

@@ -25,7 +25,7 @@ type Origin = (PathBuf, usize, Option<usize>);
 pub(super) struct Library<'a> {
     options: &'a FileArgs,
     /// Shared by all files.
-    budget: MemoryBudget,
+    pub(super) budget: MemoryBudget,
     pub(super) clip_files: ClipFiles<'a>,
     /// Keyed by real path, so that a file with two names is read once.
     pub(super) files: HashMap<PathBuf, GltfFile>,
@@ -41,12 +41,11 @@ pub(super) struct Library<'a> {
 }
 
 impl<'a> Library<'a> {
-    pub(super) fn new(options: &'a FileArgs, scene: &Path) -> Self {
-        let budget = MemoryBudget::new(options.memory_limit());
+    pub(super) fn new(options: &'a FileArgs, budget: &MemoryBudget, scene: &Path) -> Self {
         Self {
             options,
-            clip_files: ClipFiles::new(options, &budget, scene.parent().unwrap_or(Path::new(""))),
-            budget,
+            clip_files: ClipFiles::new(options, budget, scene.parent().unwrap_or(Path::new(""))),
+            budget: budget.clone(),
             files: HashMap::new(),
             meshes: Vec::new(),
             placements: Vec::new(),

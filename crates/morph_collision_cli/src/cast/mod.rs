@@ -11,8 +11,9 @@ use std::sync::Arc;
 use glam::Affine3A;
 use morph_collision::MorphModel;
 use morph_collision_models::gltf::read::GltfFile;
+use morph_collision_models::memory::MemoryBudget;
 use morph_collision_models::mesh::MorphMesh;
-use morph_collision_models::scenes::{Scene, SceneBody};
+use morph_collision_models::scenes::{Scene, SceneBody, SceneError};
 use morph_collision_models::skeleton::Skeleton;
 use morph_collision_models::weight_list::TargetNames;
 
@@ -39,7 +40,7 @@ pub(crate) struct Cast<B> {
     pub(crate) bodies: usize,
     /// The name of each body, or else that of its mesh.
     pub(crate) names: Vec<String>,
-    /// How many pairs of triangles the memory limit has room for.
+    /// How many pairs of triangles the memory limit has room for beside all that was read.
     pub(crate) most_pairs: usize,
     /// The distinct meshes of the bodies.
     pub(crate) meshes: Vec<MorphMesh>,
@@ -91,14 +92,15 @@ pub trait SetUp {
 }
 
 impl<B> Cast<B> {
-    /// Reads the models of `scene`, which was read from `path`, and checks all weights and placements.
+    /// Reads the models of `scene`, which was read from `path`, and checks all weights and placements. `budget` lacks what the scene takes.
     pub(crate) fn load(
         path: &Path,
         scene: &Scene,
         options: &impl SetUp<Bodies = B>,
         files: &FileArgs,
+        budget: &MemoryBudget,
     ) -> Result<Self, CliError> {
-        let mut library = Library::new(files, path);
+        let mut library = Library::new(files, budget, path);
         let mut of_bodies = Vec::with_capacity(scene.bodies.len());
         let mut instances = Vec::with_capacity(scene.bodies.len());
         for (body, spec) in scene.bodies.iter().enumerate() {
@@ -127,7 +129,7 @@ impl<B> Cast<B> {
         inputs.extend(library.files.values().flat_map(GltfFile::files));
         inputs.extend(library.clip_files.inputs());
         Ok(Self {
-            most_pairs: usize::try_from(files.memory_limit() / BYTES_PER_PAIR).unwrap_or(usize::MAX),
+            most_pairs: usize::try_from(budget.left() / BYTES_PER_PAIR).unwrap_or(usize::MAX),
             scene: path.into(),
             inputs,
             method,
@@ -219,6 +221,12 @@ fn frames(
         .iter()
         .map(|mesh| TargetNames::new(&mesh.target_names))
         .collect();
+    let bytes = scene.frames.iter().flatten().map(BodyState::bytes).sum();
+    let taken = library.budget.take(bytes, 1, || "the scene's frames".to_owned());
+    taken.map_err(|over| SceneError::OverBudget {
+        path: path.to_owned(),
+        over,
+    })?;
     let mut frames = Vec::with_capacity(scene.frames.len());
     for (frame, states) in scene.frames.iter().enumerate() {
         let mut checked = Vec::with_capacity(states.len());

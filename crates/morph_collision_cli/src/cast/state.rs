@@ -40,6 +40,16 @@ impl BodyState {
         }
     }
 
+    /// Upper bound on the bytes that [`BodyState::check`] takes for a state.
+    pub(super) fn bytes(state: &scenes::BodyState) -> u64 {
+        // A name is also in the set of those seen. 64: the list of a frame, and the block of the weights.
+        let per_weight = match &state.weights {
+            WeightList::All(_) => size_of::<f32>(),
+            WeightList::Named(_) => size_of::<(usize, f32)>() + 3 * size_of::<usize>(),
+        };
+        (size_of::<Self>() + 64 + per_weight * state.weights.values().count()) as u64
+    }
+
     pub(super) fn check(
         state: &scenes::BodyState,
         clips: ClipChoice,

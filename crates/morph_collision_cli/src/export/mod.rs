@@ -104,10 +104,11 @@ struct ExportReport {
 /// Poses, finds what touches, and writes.
 pub(crate) fn export(args: &ExportArgs) -> Result<(), CliError> {
     let format = args.format()?;
-    let (scene, frame) = args.scene()?;
+    let budget = args.files.budget();
+    let (scene, frame) = args.scene(&budget)?;
     let from_scene = is_scene(&args.input);
     let path = if from_scene { &*args.input } else { Path::new("export") };
-    let mut cast = Cast::load(path, &scene, &args.tree, &args.files).map_err(|error| match error {
+    let mut cast = Cast::load(path, &scene, &args.tree, &args.files, &budget).map_err(|error| match error {
         // There is no scene file to name.
         CliError::State { reason, .. } if args.shape.weights.is_some() && !from_scene => CliError::Flag {
             flag: "--weights",
@@ -202,7 +203,7 @@ impl ExportArgs {
     }
 
     /// The scene and the frame to export.
-    fn scene(&self) -> Result<(Scene, usize), CliError> {
+    fn scene(&self, budget: &MemoryBudget) -> Result<(Scene, usize), CliError> {
         if is_scene(&self.input) {
             let shape = &self.shape;
             let given = [
@@ -216,7 +217,7 @@ impl ExportArgs {
                 return Err(CliError::Flag { flag, reason });
             }
             self.drawn.refuse("a scene file already says what its bodies are")?;
-            return Ok((self.files.read_scene(&self.input)?, self.frame.unwrap_or(0)));
+            return Ok((self.files.read_scene(&self.input, budget)?, self.frame.unwrap_or(0)));
         }
         if self.frame.is_some() {
             let reason = "only a scene has frames; choose a moment of a clip with --clip and --time".to_owned();
@@ -244,8 +245,8 @@ impl ExportArgs {
             self.drawn
                 .refuse("one mesh is written; --mesh all writes all that is drawn")?;
         }
-        let budget = MemoryBudget::new(self.files.memory_limit());
-        let mut clip_files = ClipFiles::new(&self.files, &budget, Path::new(""));
+        // What is read here is dropped before the bodies are made.
+        let mut clip_files = ClipFiles::new(&self.files, &self.files.budget(), Path::new(""));
         let (file, found) = candidates(&spec, all, &self.drawn, self.shape.clip.as_slice(), &mut clip_files)?;
         let mut states = self.weights(&found)?;
         if let Some(name) = &self.shape.clip {

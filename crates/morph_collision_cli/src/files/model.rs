@@ -29,7 +29,7 @@ pub(crate) const STANDARD: &str = "-";
 /// How far commands trust the files they read.
 #[derive(Clone, Debug, Default, Args)]
 pub struct FileArgs {
-    /// The most memory that a file may take with everything that is built from it; for a scene, all its files together.
+    /// The most memory that a file may take with everything that is built from it; for a scene, the scene and all its files together.
     ///
     /// A number and B, KiB, MiB, GiB or TiB; 1GiB by default. Files can claim far more memory than they store, so memory is estimated, on
     /// the high side, before it is allocated.
@@ -37,8 +37,9 @@ pub struct FileArgs {
     memory_limit: Option<Size>,
     /// Read devices, pipes, and buffers outside the model's folder.
     ///
-    /// Without this option, a model's buffers must be regular files in its folder or below: no absolute paths, `..`, `file:` URIs,
-    /// or symbolic links that lead elsewhere.
+    /// Without this option, all files must be regular files, and a model's buffers must be in its folder or below: no absolute paths, `..`,
+    /// `file:` URIs, or symbolic links that lead elsewhere. The models and clips that a scene names may be anywhere in any case, so look into
+    /// a scene that you did not write.
     #[arg(long, help_heading = "Files")]
     allow_any_path: bool,
     /// Leave out bad triangles instead of refusing their mesh.
@@ -56,6 +57,16 @@ pub struct FileArgs {
 impl FileArgs {
     pub(crate) fn memory_limit(&self) -> u64 {
         self.memory_limit.unwrap_or_default().0
+    }
+
+    /// All of the limit.
+    pub(crate) fn budget(&self) -> MemoryBudget {
+        MemoryBudget::new(self.memory_limit())
+    }
+
+    /// Whether devices and pipes are read.
+    pub(super) fn allows_any_path(&self) -> bool {
+        self.allow_any_path
     }
 
     /// Refuses file options when no file is named.
@@ -81,7 +92,7 @@ impl FileArgs {
     /// # Errors
     /// It cannot be read.
     pub fn open(&self, model: &Path) -> Result<GltfFile, CliError> {
-        self.open_within(model, &MemoryBudget::new(self.memory_limit()))
+        self.open_within(model, &self.budget())
     }
 
     /// Opens a model file that shares a budget with others.
@@ -102,7 +113,7 @@ impl FileArgs {
         }
         progress::doing(format!("reading {}", model.display()));
         GltfFile::open_within(model, &options, budget.clone()).map_err(|error| {
-            if has_extension(model, &["json"]) && Scene::read_within(model, self.memory_limit()).is_ok() {
+            if has_extension(model, &["json"]) && Scene::read_within(model, false, &self.budget()).is_ok() {
                 return CliError::NotAModel { file: model.to_owned() };
             }
             error.into()
@@ -126,17 +137,18 @@ impl FileArgs {
         Ok((file, index, mesh))
     }
 
-    /// Reads a scene file; `-` is stdin, and then the paths of models are relative to the current directory.
-    pub(crate) fn read_scene(&self, scene: &Path) -> Result<Scene, CliError> {
+    /// Reads a scene file; `-` is stdin, and then the paths of models are relative to the current directory. `budget` is for
+    /// all that is made of it, too.
+    pub(crate) fn read_scene(&self, scene: &Path, budget: &MemoryBudget) -> Result<Scene, CliError> {
         if scene == Path::new(STANDARD) {
             progress::doing("reading a scene from standard input");
-            return Ok(Scene::read_from(io::stdin().lock(), scene, self.memory_limit())?);
+            return Ok(Scene::read_from(io::stdin().lock(), scene, budget)?);
         }
         if has_extension(scene, &["glb", "gltf"]) {
             return Err(CliError::NotAScene { file: scene.to_owned() });
         }
         progress::doing(format!("reading {}", scene.display()));
-        Ok(Scene::read_within(scene, self.memory_limit())?)
+        Ok(Scene::read_within(scene, self.allow_any_path, budget)?)
     }
 }
 

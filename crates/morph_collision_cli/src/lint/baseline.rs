@@ -1,14 +1,16 @@
 //! Known findings that are accepted, in a JSON file.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
-use morph_collision_models::gltf::read::{LFS_POINTER, is_lfs_pointer};
+use morph_collision_models::memory::MemoryBudget;
 use serde::{Deserialize, Serialize};
 
 use super::members::MeshTriangles;
 use super::report::FindingReport;
 use crate::error::CliError;
+use crate::files::model::FileArgs;
+use crate::files::text::TextFile;
 use crate::output::printable_json;
 
 const VERSION: u32 = 2;
@@ -31,25 +33,16 @@ struct Accepted {
 }
 
 impl Baseline {
-    /// Reads a file of at most `limit` bytes.
-    pub(super) fn read(path: &Path, limit: u64) -> Result<Self, CliError> {
-        let fail = |reason: String| CliError::Flag {
-            flag: "--baseline",
-            reason: format!("{}: {reason}", path.display()),
-        };
-        let mut text = String::new();
-        let read = std::fs::File::open(path).and_then(|file| file.take(limit).read_to_string(&mut text));
-        read.map_err(|error| fail(error.to_string()))?;
-        if text.len() as u64 >= limit {
-            return Err(fail("is larger than the memory limit; raise --memory-limit".to_owned()));
-        }
-        if is_lfs_pointer(text.as_bytes()) {
-            return Err(fail(LFS_POINTER.to_owned()));
-        }
-        let baseline: Self = serde_json::from_str(&text).map_err(|error| fail(error.to_string()))?;
+    /// Reads a file within a budget, which then lacks the memory for it.
+    pub(super) fn read(path: &Path, files: &FileArgs, budget: &MemoryBudget) -> Result<Self, CliError> {
+        let flag = "--baseline";
+        let file = TextFile { flag, path };
+        let text = file.read(files, budget)?;
+        file.take(budget, bytes_of(text.as_bytes()), 1, "its findings")?;
+        let baseline: Self = serde_json::from_str(&text).map_err(|error| file.error(error))?;
         match baseline.version {
             VERSION => Ok(baseline),
-            version => Err(fail(format!(
+            version => Err(file.error(format_args!(
                 "has version {version}, but this program reads version {VERSION}; write it again with --write-baseline"
             ))),
         }
@@ -82,6 +75,22 @@ impl Baseline {
     pub(super) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(printable_json(&serde_json::to_string(self)?).as_bytes())
     }
+}
+
+/// An upper bound on the memory that the findings of a text take. A list that grows takes three times the size of its elements for a moment,
+/// and a list of one element takes room for four.
+fn bytes_of(text: &[u8]) -> u64 {
+    let of_element = size_of::<Accepted>().max(size_of::<MeshTriangles>()) as u64;
+    let bytes = |&byte: &u8| match byte {
+        b'{' => 4 * of_element,
+        // The smallest block that a string or a list of numbers takes.
+        b'[' | b':' => 48,
+        // A number.
+        b',' => 16,
+        // What has escapes is copied into a buffer that grows.
+        _ => 4,
+    };
+    text.iter().map(bytes).sum()
 }
 
 /// Whether two meshes have the same name and a triangle in common.

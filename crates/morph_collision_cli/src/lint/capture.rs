@@ -1,14 +1,24 @@
 //! Tables of recorded weights: a line of names, then a line of numbers per frame.
 
-use std::io::Read;
 use std::path::Path;
 
-use morph_collision_models::gltf::read::{LFS_POINTER, is_lfs_pointer};
 use morph_collision_models::memory::MemoryBudget;
 use morph_collision_models::text::Printable;
 use morph_collision_models::text::suggestion;
 
 use crate::error::CliError;
+use crate::files::model::FileArgs;
+use crate::files::text::TextFile;
+
+/// Upper bound on the bytes that a column takes while its name is looked up: its name, its target, and the list of targets, twice, in lists
+/// that grow.
+const BYTES_PER_COLUMN: u64 = 128;
+/// At most this many columns that are no targets are named.
+const MOST_IGNORED: usize = 12;
+/// Suggestions are made for this many columns.
+const MOST_SUGGESTED: usize = 100;
+/// Longer names and numbers are cut in messages.
+const MOST_CHARACTERS: usize = 60;
 
 /// Recorded weights of some or all targets of a mesh.
 #[derive(Debug)]
@@ -19,95 +29,81 @@ pub(super) struct Capture {
     targets: Vec<usize>,
     /// Row by row, one weight for each of `targets`.
     weights: Vec<f32>,
-    /// Names of columns that are no targets.
+    /// Names of the first columns that are no targets.
     pub(super) ignored: Vec<String>,
+    /// How many more there are.
+    pub(super) more_ignored: usize,
 }
 
 impl Capture {
     /// Reads a table for a mesh with targets of these names.
-    pub(super) fn read(path: &Path, names: &[String], budget: &MemoryBudget) -> Result<Self, CliError> {
-        let fail = |reason: String| CliError::Flag {
-            flag: "--capture",
-            reason: format!("{}: {reason}", path.display()),
-        };
-        let most = budget.left();
-        let mut text = String::new();
-        let file = std::fs::File::open(path).map_err(|error| fail(error.to_string()))?;
-        let read = file.take(most).read_to_string(&mut text);
-        read.map_err(|error| fail(error.to_string()))?;
-        if text.len() as u64 >= most {
-            return Err(fail("is larger than the memory limit; raise --memory-limit".to_owned()));
-        }
-        if is_lfs_pointer(text.as_bytes()) {
-            return Err(fail(LFS_POINTER.to_owned()));
-        }
-        // A number takes at least two characters of the text and four bytes here.
-        let taken = budget.take(text.len() as u64, 3, || "its table of weights".to_owned());
-        taken.map_err(|over| fail(format!("{over}; raise --memory-limit")))?;
-        Self::parse(path.display().to_string(), &text, names).map_err(fail)
+    pub(super) fn read(
+        path: &Path,
+        names: &[String],
+        files: &FileArgs,
+        budget: &MemoryBudget,
+    ) -> Result<Self, CliError> {
+        let flag = "--capture";
+        let file = TextFile { flag, path };
+        Self::parse(&file, &file.read(files, budget)?, names, budget)
     }
 
-    fn parse(name: String, text: &str, names: &[String]) -> Result<Self, String> {
+    fn parse(file: &TextFile<'_>, text: &str, names: &[String], budget: &MemoryBudget) -> Result<Self, CliError> {
         let text = text.trim_start_matches('\u{feff}');
-        let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
-        let mut lines = lines
-            .by_ref()
-            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+        let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
         let Some((_, header)) = lines.next() else {
-            return Err("has no line with the names of targets".to_owned());
+            return Err(file.error("has no line with the names of targets"));
         };
+        let count = header.split(',').count();
+        file.take(budget, count as u64, BYTES_PER_COLUMN, "its columns")?;
         let columns: Vec<&str> = header.split(',').map(|name| name.trim().trim_matches('"')).collect();
         let found: Vec<Option<usize>> = columns.iter().map(|column| find(column, names)).collect();
         let targets: Vec<usize> = found.iter().copied().flatten().collect();
         if targets.is_empty() {
-            let hint = columns
-                .iter()
-                .map(|column| suggestion(column, names.iter().map(String::as_str)));
-            let hint = hint.into_iter().find(|hint| !hint.is_empty()).unwrap_or_default();
-            return Err(format!(
+            let columns = columns.iter().take(MOST_SUGGESTED);
+            let mut hints = columns.map(|column| suggestion(start(column), names.iter().map(String::as_str)));
+            let hint = hints.find(|hint| !hint.is_empty()).unwrap_or_default();
+            return Err(file.error(format_args!(
                 "no column of the first line, \"{}\", has the name of a target{hint}",
-                Printable(&header.chars().take(60).collect::<String>())
-            ));
+                Printable(start(header))
+            )));
         }
         let mut seen = targets.clone();
         seen.sort_unstable();
         if let Some(twice) = seen.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(format!(
-                "two columns are for target \"{}\"",
-                Printable(&names[twice[0]])
-            ));
+            let name = Printable(&names[twice[0]]);
+            return Err(file.error(format_args!("two columns are for target \"{name}\"")));
         }
-        let mut weights = Vec::new();
+        let rows = lines.clone().count() as u64;
+        let numbers = rows.saturating_mul(targets.len() as u64);
+        file.take(budget, numbers, size_of::<f32>() as u64, "its weights")?;
+        let mut weights = Vec::with_capacity(usize::try_from(numbers).unwrap_or(0));
         for (line, row) in lines {
-            let cells: Vec<&str> = row.split(',').map(str::trim).collect();
-            if cells.len() != columns.len() {
-                return Err(format!(
-                    "line {line}: expected {} columns, found {}",
-                    columns.len(),
-                    cells.len()
-                ));
+            let cells = row.split(',').count();
+            if cells != count {
+                return Err(file.error(format_args!("line {line}: expected {count} columns, found {cells}")));
             }
-            for ((cell, column), target) in cells.into_iter().zip(&columns).zip(&found) {
+            for ((cell, column), target) in row.split(',').map(str::trim).zip(&columns).zip(&found) {
                 if target.is_some() {
                     let number = cell.parse().ok().filter(|number: &f32| number.is_finite());
-                    let wrong = || {
-                        format!(
-                            "line {line}: {}: expected a number, found \"{}\"",
-                            Printable(column),
-                            Printable(cell)
-                        )
-                    };
-                    weights.push(number.ok_or_else(wrong)?);
+                    weights.push(number.ok_or_else(|| {
+                        let (column, cell) = (Printable(start(column)), Printable(start(cell)));
+                        file.error(format_args!(
+                            "line {line}: {column}: expected a number, found \"{cell}\""
+                        ))
+                    })?);
                 }
             }
         }
         let ignored = columns.iter().zip(&found).filter(|(_, target)| target.is_none());
-        let ignored = ignored.map(|(column, _)| (*column).to_owned()).collect();
+        let ignored = ignored.map(|(column, _)| start(column).to_owned());
         Ok(Self {
-            name,
+            name: file.path.display().to_string(),
+            ignored: ignored.take(MOST_IGNORED).collect(),
+            more_ignored: (count - targets.len()).saturating_sub(MOST_IGNORED),
             targets,
             weights,
-            ignored,
         })
     }
 
@@ -123,6 +119,12 @@ impl Capture {
     }
 }
 
+/// The first characters of a text, for messages.
+fn start(text: &str) -> &str {
+    let end = text.char_indices().nth(MOST_CHARACTERS);
+    end.map_or(text, |(end, _)| &text[..end])
+}
+
 /// The target of a column. Recorders write names in other cases, so case matters only if several names differ in nothing else.
 fn find(column: &str, names: &[String]) -> Option<usize> {
     let exact = names.iter().position(|name| name == column);
@@ -136,18 +138,48 @@ fn find(column: &str, names: &[String]) -> Option<usize> {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Capture, String> {
+    fn parse_within(text: &str, limit: u64) -> Result<Capture, String> {
         let names = ["jawOpen", "mouthClose"].map(str::to_owned);
-        Capture::parse("take.csv".to_owned(), text, &names)
+        let (flag, path) = ("--capture", Path::new("take.csv"));
+        let file = TextFile { flag, path };
+        Capture::parse(&file, text, &names, &MemoryBudget::new(limit)).map_err(|error| error.to_string())
+    }
+
+    fn parse(text: &str) -> Result<Capture, String> {
+        parse_within(text, 1 << 20)
     }
 
     #[test]
     fn columns_are_found_by_name_and_others_are_ignored() -> Result<(), String> {
         let capture = parse("\u{feff}Timecode,MouthClose,jawOpen\n# take 3\n00:01,0.25,1\n\n00:02,0,-0.5\n")?;
         assert_eq!((capture.len(), &capture.ignored[..]), (2, &["Timecode".to_owned()][..]));
+        assert_eq!(capture.more_ignored, 0);
         let row = |row| capture.row(row).collect::<Vec<_>>();
         assert_eq!(row(0), [(1, 0.25), (0, 1.0)]);
         assert_eq!(row(1), [(1, 0.0), (0, -0.5)]);
+        Ok(())
+    }
+
+    #[test]
+    fn columns_and_weights_are_counted_and_only_the_first_that_are_ignored_are_named() -> Result<(), String> {
+        let wide = format!("jawOpen{}\n", ",".repeat(1000));
+        let capture = parse_within(&wide, 1001 * BYTES_PER_COLUMN)?;
+        assert_eq!((capture.ignored.len(), capture.more_ignored), (MOST_IGNORED, 988));
+        let error = parse_within(&wide, 1001 * BYTES_PER_COLUMN - 1)
+            .err()
+            .unwrap_or_default();
+        assert!(
+            error.contains("its columns would take") && error.contains("--memory-limit"),
+            "{error}"
+        );
+        let long = format!("jawOpen\n{}", "1\n".repeat(1000));
+        assert_eq!(parse_within(&long, BYTES_PER_COLUMN + 4000)?.len(), 1000);
+        let error = parse_within(&long, BYTES_PER_COLUMN + 3999).err().unwrap_or_default();
+        assert!(error.contains("its weights would take"), "{error}");
+        let error = parse(&format!("jawOpen\n{}", "x".repeat(1000)))
+            .err()
+            .unwrap_or_default();
+        assert!(error.len() < 200, "{error}");
         Ok(())
     }
 

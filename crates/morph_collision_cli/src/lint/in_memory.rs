@@ -35,7 +35,8 @@ pub struct LintPage {
 }
 
 impl Lint {
-    /// Tries all shapes of all meshes of a .glb or .gltf file, on this thread, with the default limit of memory. Its buffers must be within it.
+    /// Tries all shapes of all meshes of a .glb or .gltf file, on this thread, with the default limit of memory, to which
+    /// `bytes` themselves do not count. Its buffers must be within it.
     ///
     /// # Errors
     /// The message of the command for the same file. It may name options of the command.

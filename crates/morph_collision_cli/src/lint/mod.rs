@@ -189,15 +189,16 @@ impl LintArgs {
 
 /// Tries all shapes of all meshes and reports.
 pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
+    let budget = args.files.budget();
     let baseline = args.baseline.as_ref();
     let baseline = baseline
-        .map(|path| Baseline::read(path, args.files.memory_limit()))
+        .map(|path| Baseline::read(path, &args.files, &budget))
         .transpose()?;
     if args.mesh.is_some() {
         args.drawn
             .refuse("--mesh names a mesh, which is taken wherever it is")?;
     }
-    let file = args.files.open(&args.model)?;
+    let file = args.files.open_within(&args.model, &budget)?;
     let mut inputs: Vec<PathBuf> = file.files();
     inputs.extend(args.capture.iter().chain(&args.garment).cloned());
     let written = args.write_baseline.as_ref();

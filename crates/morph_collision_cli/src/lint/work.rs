@@ -161,12 +161,17 @@ impl Lint<'_> {
     }
 
     fn capture(&self, path: &Path) -> Result<Capture, CliError> {
-        let capture = Capture::read(path, &self.mesh.target_names, self.file.budget())?;
+        let capture = Capture::read(path, &self.mesh.target_names, &self.options.files, self.file.budget())?;
+        let name = Printable(&capture.name);
         for column in &capture.ignored {
-            let (name, column) = (Printable(&capture.name), Printable(column));
+            let column = Printable(column);
             messages::complain(format_args!(
                 "warning: {name}: ignored the column \"{column}\", which is not a target"
             ));
+        }
+        if capture.more_ignored > 0 {
+            let more = messages::counted(capture.more_ignored, "more column that is", "more columns that are");
+            messages::complain(format_args!("warning: {name}: ignored {more} not a target"));
         }
         Ok(capture)
     }

@@ -60,8 +60,9 @@ fn parse_tolerance(text: &str) -> Result<f64, String> {
 
 /// Loads, replays and reports a scene.
 pub(crate) fn motion(args: &MotionArgs) -> Result<(), CliError> {
-    let scene = args.files.read_scene(&args.scene)?;
-    let mut cast = Cast::load(&args.scene, &scene, &Ends(&args.tree), &args.files)?;
+    let budget = args.files.budget();
+    let scene = args.files.read_scene(&args.scene, &budget)?;
+    let mut cast = Cast::load(&args.scene, &scene, &Ends(&args.tree), &args.files, &budget)?;
     let steps = cast.frames.len().saturating_sub(1);
     let progress = progress::count("step", steps as u64);
     let mut stage = Stage::new(args.tolerance, args.count);

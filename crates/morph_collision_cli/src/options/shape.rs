@@ -1,6 +1,5 @@
 //! The options that choose one mesh of a file and its shape.
 
-use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -10,6 +9,7 @@ use glam::Affine3A;
 use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
 use morph_collision_models::gltf::read::{GltfFile, LFS_POINTER, is_lfs_pointer};
 use morph_collision_models::inspect::MeshError;
+use morph_collision_models::memory::{FileFault, open_file, read_at_most};
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::weight_list::{TargetNames, WeightList};
 
@@ -74,28 +74,21 @@ impl FromStr for WeightArg {
         };
         let named = |error: String| format!("{file}: {error}");
         let read = if file == STANDARD {
-            read_text(std::io::stdin().lock())
+            read_at_most(std::io::stdin().lock(), None, LARGEST_WEIGHT_FILE)
         } else {
-            std::fs::File::open(file).and_then(read_text)
+            let opened = open_file(Path::new(file), false);
+            opened.and_then(|(file, length)| read_at_most(file, length, LARGEST_WEIGHT_FILE))
         };
-        let text = read.map_err(|error| named(error.to_string()))?;
-        if is_lfs_pointer(text.as_bytes()) {
+        let bytes = read.map_err(|fault| match fault {
+            FileFault::NotRegular => named(format!("{fault}; pipe it to standard input and write @-")),
+            FileFault::Io(_) | FileFault::TooLong { .. } => named(fault.to_string()),
+        })?;
+        if is_lfs_pointer(&bytes) {
             return Err(named(LFS_POINTER.to_owned()));
         }
+        let text = String::from_utf8(bytes).map_err(|error| named(error.to_string()))?;
         WeightList::parse(&text).map(Self).map_err(named)
     }
-}
-
-fn read_text(source: impl Read) -> std::io::Result<String> {
-    let mut text = String::new();
-    source.take(LARGEST_WEIGHT_FILE + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LARGEST_WEIGHT_FILE {
-        let most = LARGEST_WEIGHT_FILE >> 20;
-        return Err(std::io::Error::other(format!(
-            "it is longer than {most} MiB, the most that weights may take"
-        )));
-    }
-    Ok(text)
 }
 
 /// A finite number.
@@ -232,16 +225,27 @@ fn build(mesh: &MorphMesh) -> Result<MorphBvh, MeshError> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
     use super::*;
 
     #[test]
-    fn weights_that_are_too_long_are_refused_and_not_cut() {
-        let long = |bytes| read_text(std::io::repeat(b' ').take(bytes));
-        assert_eq!(
-            long(LARGEST_WEIGHT_FILE).expect("it is short enough").len() as u64,
-            LARGEST_WEIGHT_FILE
-        );
-        let error = long(LARGEST_WEIGHT_FILE + 1).expect_err("it is too long").to_string();
-        assert!(error.contains("longer than 16 MiB"), "{error}");
+    fn weights_that_are_too_long_are_refused_and_not_cut() -> std::io::Result<()> {
+        let file = tempfile::NamedTempFile::new()?;
+        let read = || format!("@{}", file.path().display()).parse::<WeightArg>();
+        file.as_file().write_all(b"jaw=1\n")?;
+        let jaw = WeightList::Named(vec![("jaw".to_owned(), 1.0)]);
+        assert_eq!(read(), Ok(WeightArg(jaw)));
+        file.as_file().set_len(LARGEST_WEIGHT_FILE + 1)?;
+        let error = read().expect_err("it is too long");
+        assert!(error.contains("longer than 16.0 MiB"), "{error}");
+        Ok(())
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_no_file_of_weights() {
+        let error = "@/dev/zero".parse::<WeightArg>().expect_err("it is a device");
+        assert!(error.contains("not a regular file") && error.contains("@-"), "{error}");
     }
 }

@@ -131,8 +131,9 @@ pub fn run_with<S: SetUp<Bodies: PairFinder>>(args: &RunArgs, method: &S, name: 
     if args.mode.is_of_surfaces() {
         return surface::run(args);
     }
-    let scene = args.files.read_scene(&args.scene)?;
-    let mut cast = Cast::load(&args.scene, &scene, method, &args.files)?;
+    let budget = args.files.budget();
+    let scene = args.files.read_scene(&args.scene, &budget)?;
+    let mut cast = Cast::load(&args.scene, &scene, method, &args.files, &budget)?;
     args.picture.check(cast.frames.len())?;
     // Checked before the replay, so that a path that cannot be written fails early.
     let output_file = |flag, path: &Option<PathBuf>| {

@@ -79,8 +79,9 @@ struct Distance {
 
 /// Loads, replays and reports a scene.
 pub(super) fn run(args: &RunArgs) -> Result<(), CliError> {
-    let scene = args.files.read_scene(&args.scene)?;
-    let mut cast = Cast::load(&args.scene, &scene, &args.tree, &args.files)?;
+    let budget = args.files.budget();
+    let scene = args.files.read_scene(&args.scene, &budget)?;
+    let mut cast = Cast::load(&args.scene, &scene, &args.tree, &args.files, &budget)?;
     let csv = args.pairs.as_deref();
     let csv = csv
         .map(|path| OutputFile::create("--pairs", path, &cast.inputs))

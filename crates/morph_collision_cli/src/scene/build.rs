@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use morph_collision_models::gltf::read::{DrawnMesh, Extent, GltfFile};
+use morph_collision_models::memory::MemoryBudget;
 use morph_collision_models::mesh::MorphMesh;
 use morph_collision_models::scenes::{BodyState, Scene, SceneBody};
 use morph_collision_models::skeleton::Skeleton;
@@ -14,7 +15,7 @@ use crate::error::CliError;
 use crate::files::clip_files::ClipFiles;
 use crate::files::clips::{BrokenClips, ClipChoice, NoClip, clip_names, read_clips};
 use crate::files::drawn::{DrawnArgs, note_if_not_drawn};
-use crate::files::model::{FileArgs, MeshChoice, STANDARD, count_memory, read_mesh, show_with};
+use crate::files::model::{MeshChoice, STANDARD, count_memory, read_mesh, show_with};
 use crate::messages;
 use crate::options::frame_times::{FrameTimes, time_in_clip};
 
@@ -334,16 +335,19 @@ pub(crate) fn frames_of_clips(
         .collect()
 }
 
-/// Refuses more frames than the memory limit has room for, if a body in a frame takes `bytes`.
-pub(crate) fn check_frames(
+/// Counts the memory of frames, if a body in a frame takes `bytes`.
+///
+/// # Errors
+/// The budget has no room for them.
+pub(crate) fn take_frames(
     frames: usize,
     bodies: usize,
     bytes: u64,
-    files: &FileArgs,
+    budget: &MemoryBudget,
     flag: &'static str,
 ) -> Result<(), CliError> {
-    let all = (frames as u64).saturating_mul(bodies as u64).saturating_mul(bytes);
-    if all <= files.memory_limit() {
+    let states = (frames as u64).saturating_mul(bodies as u64);
+    if budget.take(states, bytes, String::new).is_ok() {
         return Ok(());
     }
     let or_fewer = if flag == "--frames" {

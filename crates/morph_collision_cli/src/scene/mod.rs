@@ -10,7 +10,6 @@ mod place;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use morph_collision_models::memory::MemoryBudget;
 use morph_collision_models::scenes::{BodyState, Scene};
 use morph_collision_models::weight_list::{TargetNames, WeightList};
 
@@ -23,7 +22,7 @@ use crate::options::frame_times::FrameTimes;
 use crate::options::shape::WeightArg;
 use crate::output;
 use crate::output::file::OutputFile;
-use build::{Candidate, Meshes, ModelSpec, candidates, check_frames, check_stdin, number_names};
+use build::{Candidate, Meshes, ModelSpec, candidates, check_stdin, number_names, take_frames};
 use place::Place;
 
 const EXAMPLES: &str = "Examples:
@@ -97,6 +96,9 @@ pub(crate) fn fps(text: &str) -> Result<f32, String> {
     number.ok_or_else(|| "expected a number above 0 and at most 100000".to_owned())
 }
 
+/// What is counted for a body's state in a frame when `run` reads the scene, if it has a clip and a few weights.
+const BYTES_PER_STATE: u64 = 3072;
+
 /// If only placements change.
 const FRAMES_OF_PLACEMENTS: usize = 60;
 
@@ -113,7 +115,7 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     let mut seconds = 0.0_f32;
     let mut complaint = None;
     let mut inputs = Vec::new();
-    let budget = MemoryBudget::new(args.files.memory_limit());
+    let budget = args.files.budget();
     let mut clip_files = ClipFiles::new(&args.files, &budget, Path::new(""));
     for (model, spec) in models.iter().enumerate() {
         let clip = of_model(&args.clip, model).filter(|clip| !clip.is_empty());
@@ -154,7 +156,7 @@ pub(crate) fn scene(args: &SceneArgs) -> Result<(), CliError> {
     };
     let frames = times.len();
     // `run` must be able to read the scene with the same memory limit.
-    check_frames(frames, bodies.len(), 2048, &args.files, "--frames")?;
+    take_frames(frames, bodies.len(), BYTES_PER_STATE, &budget, "--frames")?;
     for (name, _) in clips.iter_mut().flatten() {
         *name = clip_files.renamed(name, |file| relative(file, &args.output));
     }

@@ -25,7 +25,7 @@ use crate::options::tree::TreeArgs;
 use crate::output;
 use crate::output::file::OutputFile;
 use crate::scene::build::{
-    Meshes, ModelSpec, candidates, check_frames, clips_of, frames_of_clips, number_names, playable, scene_of,
+    Meshes, ModelSpec, candidates, clips_of, frames_of_clips, number_names, playable, scene_of, take_frames,
 };
 use crate::scene::{fps, is_scene};
 use crate::touching::Among;
@@ -89,8 +89,8 @@ pub(crate) struct SweepArgs {
     json: bool,
 }
 
-/// Upper bound on the bytes that a body's state in a frame takes, twice: as in a scene file, and checked.
-const BYTES_PER_STATE: u64 = 512;
+/// Upper bound on the bytes that a body's state in a frame takes, as in a scene file.
+const BYTES_PER_STATE: u64 = 288;
 
 /// Bodies with this project's trees.
 type Swept = Cast<Vec<Posed>>;
@@ -98,14 +98,15 @@ type Swept = Cast<Vec<Posed>>;
 /// Plays all clips and reports.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<Verdict, CliError> {
     let from_scene = is_scene(&args.input);
+    let budget = args.files.budget();
     let (scene, labels) = if from_scene {
-        from_scene_file(args)?
+        from_scene_file(args, &budget)?
     } else {
-        from_model(args)?
+        from_model(args, &budget)?
     };
     // Paths of a scene made from a model are not relative to it.
     let path = if from_scene { &*args.input } else { Path::new("sweep") };
-    let mut cast = Cast::load(path, &scene, &args.tree, &args.files)?;
+    let mut cast = Cast::load(path, &scene, &args.tree, &args.files, &budget)?;
     let csv = args.csv.as_deref();
     let csv = csv
         .map(|path| OutputFile::create("--csv", path, &cast.inputs))
@@ -133,7 +134,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<Verdict, CliError> {
     })
 }
 
-fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
+fn from_scene_file(args: &SweepArgs, budget: &MemoryBudget) -> Result<(Scene, Vec<Label>), CliError> {
     let refuse = |flag, given| match given {
         true => Err(CliError::Flag {
             flag,
@@ -147,7 +148,7 @@ fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
     args.drawn
         .refuse("a scene file already says what happens in every frame")?;
     refuse("--loop", args.is_loop)?;
-    let scene = args.files.read_scene(&args.input)?;
+    let scene = args.files.read_scene(&args.input, budget)?;
     let label = |states: &Vec<morph_collision_models::scenes::BodyState>| {
         let clip = states.iter().find_map(|state| state.clip.clone());
         let seconds = states.iter().find_map(|state| state.time);
@@ -158,7 +159,7 @@ fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
 }
 
 /// A scene in which all bodies of a model play its clips, one after the other.
-fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
+fn from_model(args: &SweepArgs, budget: &MemoryBudget) -> Result<(Scene, Vec<Label>), CliError> {
     let meshes = args.mesh.clone().map_or(Meshes::All, Meshes::One);
     let spec = ModelSpec {
         file: args.input.clone(),
@@ -168,8 +169,8 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
         args.drawn
             .refuse("--mesh names a mesh, which is taken wherever it is")?;
     }
-    let budget = MemoryBudget::new(args.files.memory_limit());
-    let mut clip_files = ClipFiles::new(&args.files, &budget, Path::new(""));
+    // What is read here is dropped before the bodies are made.
+    let mut clip_files = ClipFiles::new(&args.files, &args.files.budget(), Path::new(""));
     let (file, found) = candidates(&spec, true, &args.drawn, &args.clip, &mut clip_files)?;
     let names = if args.clip.is_empty() {
         playable(&found, &file)
@@ -188,8 +189,7 @@ fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
             .flatten()
             .fold(0.0, |longest: f32, (_, length)| longest.max(*length));
         let times = FrameTimes::of_clip(seconds, fps, args.is_loop);
-        let all = times.len().saturating_add(frames.len());
-        check_frames(all, clips.len(), BYTES_PER_STATE, &args.files, "--fps")?;
+        take_frames(times.len(), clips.len(), BYTES_PER_STATE, budget, "--fps")?;
         labels.extend((0..times.len()).map(|frame| Label {
             clip: Some(name.clone()),
             seconds: Some(times.seconds(frame) as f32),

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::gltf::read::LFS_POINTER;
-use crate::memory::OverBudget;
+use crate::gltf::read::{LFS_POINTER, Remedy};
+use crate::memory::{Bytes, OverBudget};
 
 /// Why a scene could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +15,20 @@ pub enum SceneError {
         path: PathBuf,
         /// The system's error.
         source: std::io::Error,
+    },
+    /// The file is not a regular file.
+    #[error("{}: not a regular file", path.display())]
+    NotRegular {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is longer than the memory limit allows.
+    #[error("{}: it is longer than {}, the most that it may take", path.display(), Bytes(*.most))]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// The limit in bytes.
+        most: u64,
     },
     /// The scene exceeds the memory limit.
     #[error("{}: {over}", path.display())]
@@ -78,4 +92,20 @@ pub enum SceneError {
         /// The quaternion's length.
         length: f32,
     },
+}
+
+impl SceneError {
+    /// The option that would let the file through, if a limit or a rule of the reader refused it.
+    pub fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::OverBudget { .. } | Self::TooLong { .. } => Some(Remedy::MoreMemory),
+            Self::NotRegular { .. } => Some(Remedy::AnyPath),
+            Self::Io { .. }
+            | Self::LfsPointer { .. }
+            | Self::Json { .. }
+            | Self::FrameLength { .. }
+            | Self::NotFinite { .. }
+            | Self::Rotation { .. } => None,
+        }
+    }
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::error::SceneError;
 use super::scene::Scene;
 use crate::gltf::read::is_lfs_pointer;
-use crate::memory::{self, MemoryBudget};
+use crate::memory::{self, FileFault, MemoryBudget};
 
 impl Scene {
     /// Reads and checks a scene. Models are not opened, so the number of weights is not checked here.
@@ -17,35 +17,24 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] names the file, and line and column, or frame and body.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
-        Self::read_within(path, memory::DEFAULT_LIMIT)
+        Self::read_within(path, false, &MemoryBudget::default())
     }
 
-    /// Like [`Scene::read`], with another memory limit in bytes.
+    /// Like [`Scene::read`], with a budget that can be shared with the scene's models. The file may be a device or a pipe with `any_path`.
     ///
     /// # Errors
     /// See [`Scene::read`].
-    pub fn read_within(path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
-        let io = |source| SceneError::Io {
-            path: path.to_owned(),
-            source,
-        };
-        let file = std::fs::File::open(path).map_err(io)?;
-        Self::read_from(file, path, memory_limit)
+    pub fn read_within(path: &Path, any_path: bool, budget: &MemoryBudget) -> Result<Self, SceneError> {
+        let (file, length) = memory::open_file(path, any_path).map_err(|fault| read_error(fault, path))?;
+        Self::parse_within(&read_text(file, length, path, budget)?, path, budget)
     }
 
-    /// Like [`Scene::read_within`], from an open file or pipe. Paths of models are relative to `path`, which need not exist.
+    /// Like [`Scene::read_within`], from a stream. Paths of models are relative to `path`, which need not exist.
     ///
     /// # Errors
     /// See [`Scene::read`].
-    pub fn read_from(source: impl Read, path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
-        let mut json = Vec::new();
-        // A buffer that grows while reading takes up to twice its length, and as much again once parsed.
-        let read = source.take((memory_limit / 4).saturating_add(1)).read_to_end(&mut json);
-        read.map_err(|source| SceneError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::parse_within(&json, path, memory_limit)
+    pub fn read_from(source: impl Read, path: &Path, budget: &MemoryBudget) -> Result<Self, SceneError> {
+        Self::parse_within(&read_text(source, None, path, budget)?, path, budget)
     }
 
     /// Like [`Scene::read`], from bytes. `path` is only for messages.
@@ -53,18 +42,11 @@ impl Scene {
     /// # Errors
     /// See [`Scene::read`].
     pub fn parse(json: &[u8], path: &Path) -> Result<Self, SceneError> {
-        Self::parse_within(json, path, memory::DEFAULT_LIMIT)
+        Self::parse_within(json, path, &MemoryBudget::default())
     }
 
-    fn parse_within(json: &[u8], path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
-        // An upper bound: a body's state for each bracket and a number for each comma, while lists grow.
-        let bytes = |byte: &u8| match byte {
-            b'{' | b'[' => 256,
-            b',' => 16,
-            _ => 4,
-        };
-        let budget = MemoryBudget::new(memory_limit);
-        let take = budget.take(json.iter().map(bytes).sum(), 1, || "the scene".into());
+    fn parse_within(json: &[u8], path: &Path, budget: &MemoryBudget) -> Result<Self, SceneError> {
+        let take = budget.take(bytes_of(json), 1, || "the scene".into());
         take.map_err(|over| SceneError::OverBudget {
             path: path.to_owned(),
             over,
@@ -157,6 +139,53 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+fn read_text(
+    source: impl Read,
+    length: Option<u64>,
+    path: &Path,
+    budget: &MemoryBudget,
+) -> Result<Vec<u8>, SceneError> {
+    let most = budget.left() / BYTES_PER_BYTE;
+    memory::read_at_most(source, length, most).map_err(|fault| read_error(fault, path))
+}
+
+fn read_error(fault: FileFault, path: &Path) -> SceneError {
+    let path = path.to_owned();
+    match fault {
+        FileFault::NotRegular => SceneError::NotRegular { path },
+        FileFault::Io(source) => SceneError::Io { path, source },
+        FileFault::TooLong { most } => SceneError::TooLong { path, most },
+    }
+}
+
+/// The text while its buffer grows, or the text and the names in it.
+const BYTES_PER_BYTE: u64 = 4;
+
+/// An upper bound on the memory that a scene takes while it is read: the text and what is made of it. A list that grows takes three times
+/// the size of its elements for a moment, and a list of one element takes room for four.
+fn bytes_of(json: &[u8]) -> u64 {
+    let mut before = b' ';
+    let mut sum = 0;
+    for &byte in json.iter().filter(|byte| !byte.is_ascii_whitespace()) {
+        sum += match (before, byte) {
+            // The first body, or the first state of a frame.
+            (b'[', b'{') => 1024,
+            (_, b'{') => 512,
+            // A frame, or a list of numbers.
+            (_, b'[') => 128,
+            // A weight with its name, also in the list of names that is searched for those given twice.
+            (b':', b'-' | b'0'..=b'9') => 160,
+            // The smallest block that a string takes.
+            (b':', b'"') => 48,
+            // A number.
+            (_, b',') => 16,
+            _ => 0,
+        };
+        before = byte;
+    }
+    sum + BYTES_PER_BYTE * json.len() as u64
 }
 
 /// A JSON list's elements, one per line.

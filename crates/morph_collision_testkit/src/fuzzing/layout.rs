@@ -2,7 +2,7 @@ use std::sync::{Arc, LazyLock};
 
 use glam::{Affine3A, Vec3};
 use morph_collision::{
-    Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, TreeFile, TreeLayout, WorldFromModel,
+    Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, SelfQuery, TreeFile, TreeLayout, WorldFromModel,
 };
 use serde_json::Value;
 
@@ -29,7 +29,7 @@ static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {
 /// Reads one byte that selects a mesh, then a tree's layout as JSON. The layout must be refused, or give a tree
 /// with correct answers.
 ///
-/// If the byte's upper bit is not set, version and fingerprint are corrected first, so that the remaining checks
+/// If the byte's upper bit is not set, version, fingerprint and checksum are corrected first, so that the remaining checks
 /// are reached.
 ///
 /// # Panics
@@ -42,10 +42,14 @@ pub fn layout(data: &[u8]) {
     let Ok(mut value) = serde_json::from_slice::<Value>(json) else {
         return;
     };
-    if first & 128 == 0 {
+    let is_whole = first & 128 != 0;
+    if !is_whole {
         correct(model, &mut value);
     }
-    if let Ok(layout) = serde_json::from_value::<TreeLayout>(value) {
+    if let Ok(mut layout) = serde_json::from_value::<TreeLayout>(value) {
+        if !is_whole {
+            layout.correct_certificates();
+        }
         check(mesh, model, &layout);
     }
 }
@@ -53,8 +57,8 @@ pub fn layout(data: &[u8]) {
 /// Reads one byte that selects a mesh, then what follows the header of a [`TreeFile`]. Each tree in it must be refused, or give correct
 /// answers.
 ///
-/// If the byte's upper bit is set, the header is among the bytes, too. Otherwise it is added, with the right checksum, and version and
-/// fingerprint of the trees are corrected.
+/// If the byte's upper bit is set, the header is among the bytes, too. Otherwise it is added, with the right checksum, and version,
+/// fingerprint and checksum of the trees are corrected.
 ///
 /// # Panics
 /// If a restored tree answers wrongly.
@@ -75,7 +79,10 @@ pub fn tree_file(data: &[u8]) {
             correct(model, &mut value);
         }
         // Options out of range are refused when they are read.
-        let layout = serde_json::from_value(value).expect("a layout is read as it was written");
+        let mut layout: TreeLayout = serde_json::from_value(value).expect("a layout is read as it was written");
+        if !is_whole {
+            layout.correct_certificates();
+        }
         check(mesh, model, &layout);
     }
 }
@@ -101,7 +108,8 @@ fn check(mesh: &MorphMesh, model: &Arc<MorphModel>, layout: &TreeLayout) {
         }
     };
     assert_eq!(&bvh.layout(), layout, "a tree has the layout it was restored from");
-    let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh)];
+    let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh.clone())];
+    let mut plain = Pose::new(Arc::new(MorphBvh::build(model.clone(), &BuildOptions::default())));
     for (i, pose) in poses.iter_mut().enumerate() {
         let weights: Vec<f32> = (0..pose.weights().len())
             .map(|k| 0.6 * k as f32 - 0.4 * i as f32)
@@ -109,6 +117,21 @@ fn check(mesh: &MorphMesh, model: &Arc<MorphModel>, layout: &TreeLayout) {
         pose.set_weights(&weights).expect("the weights are small");
         let report = check_containment(mesh, pose);
         assert_eq!(report.first, None, "a vertex outside its box");
+        plain.set_weights(&weights).expect("the weights are small");
+        let [found, all] = [&mut *pose, &mut plain].map(|pose| {
+            let mut found = Vec::new();
+            SelfQuery::new().all(pose, &mut found);
+            sorted(&found)
+        });
+        if bvh.certificates().is_some() {
+            // Certificates are believed if their checksum is right, so forged ones may leave pairs out.
+            assert!(
+                found.iter().all(|pair| all.binary_search(pair).is_ok()),
+                "a pair that does not touch"
+            );
+        } else {
+            assert_eq!(found, all);
+        }
     }
     let places = [
         Affine3A::IDENTITY,

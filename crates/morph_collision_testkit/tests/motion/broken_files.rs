@@ -88,6 +88,15 @@ fn counts_of_billions_are_refused_before_anything_is_allocated() {
 }
 
 #[test]
+fn a_file_that_is_too_large_is_refused() -> std::io::Result<()> {
+    let file = tempfile::NamedTempFile::new()?;
+    file.as_file().set_len((1 << 28) + 1)?;
+    let error = read_queries(file.path()).expect_err("it is too large").to_string();
+    assert!(error.contains("over the limit of 268435456"), "{error}");
+    Ok(())
+}
+
+#[test]
 fn errors_name_what_is_wrong_and_where() {
     let nan = f64::NAN.to_le_bytes();
     let cases = [

@@ -11,7 +11,7 @@ use bevy::asset::{AssetPath, LoadContext, ReadAssetBytesError};
 use bevy::gltf::extensions::{ErasedGltfExtensionHandler, GltfExtensionHandler, GltfExtensionHandlers};
 use bevy::gltf::gltf::{Gltf, Mesh as GltfFileMesh, Primitive};
 use bevy::gltf::{GltfAssetLabel, GltfMesh};
-use bevy::mesh::MeshVertexAttribute;
+use bevy::mesh::{Indices, MeshVertexAttribute};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, block_on};
@@ -22,8 +22,8 @@ use super::super::gltf::repair_split_meshes;
 use super::super::mesh_data::{Finished, MeshData};
 use super::super::trees::MorphTrees;
 use super::super::turns::Turns;
-use super::file::EXTENSION;
-use super::fit::fitting;
+use super::file::{EXTENSION, MorphTreeFileError, decoded};
+use super::fit::{OTHER_MESH, fitting};
 use super::store::{Restored, Restoring, Store};
 
 /// From now on, looks for a file beside every glTF file. Does nothing without `GltfPlugin`.
@@ -109,6 +109,15 @@ impl Beside {
     /// Restores a tree, at once or, on the thread that draws, in steps. `None` if that is impossible, which is logged unless the mesh is bad:
     /// that is logged once it collides.
     fn restore(&self, mesh: &Mesh, saved: &SavedTree, file: &str, name: &str) -> Option<Restoring> {
+        // Reading the mesh takes as long as it is large, and a file may have many trees of it. Each of them has to be as large.
+        let corners = mesh
+            .try_indices_option()
+            .ok()?
+            .map_or(mesh.count_vertices(), Indices::len);
+        if saved.layout.triangle_count() != corners / 3 {
+            self.store.refuse(file, name, OTHER_MESH);
+            return None;
+        }
         let mut data = MeshData::of(mesh, saved.joints.map(|joints| joints as usize)).ok()?;
         let mut all = usize::MAX;
         data.copy(mesh, &mut all).ok()?;
@@ -152,9 +161,10 @@ async fn read(context: &mut LoadContext<'_>, gltf: &Gltf, store: &Store) -> Opti
         Err(error) => return refuse(error.to_string()),
     };
     let again = format!("`morph-collide bake {model}` writes it anew");
-    let file = match TreeFile::from_bytes(&bytes) {
+    let file = match decoded(&bytes) {
         Ok(file) => file,
-        Err(error) => return refuse(format!("{error}. {again}")),
+        Err(MorphTreeFileError::Content(error)) => return refuse(format!("{error}. {again}")),
+        Err(error) => return refuse(error.to_string()),
     };
     let labels: Vec<String> = gltf
         .meshes()

@@ -6,6 +6,10 @@ use morph_collision::{BuildOptions, MorphBvhBuilder, MorphModel, SavedTree, Tree
 
 use super::store::Store;
 
+/// Why no tree fits a mesh.
+pub(super) const OTHER_MESH: &str = "it was baked for another mesh, or the mesh has changed since, or is loaded with settings that change it. \
+    `morph-collide bake` writes it anew";
+
 /// Saved trees, and what messages call the file and the mesh.
 pub(in crate::import) struct Layouts {
     pub(super) file: Arc<TreeFile>,
@@ -44,11 +48,7 @@ pub(super) fn fitting<'a>(
     }
     Err(match (others, options) {
         (Some(found), Some(wanted)) => other_options(found, wanted),
-        _ => {
-            "it was baked for another mesh, or the mesh has changed since, or is loaded with settings that change it. \
-              `morph-collide bake` writes it anew"
-                .to_owned()
-        }
+        _ => OTHER_MESH.to_owned(),
     })
 }
 

@@ -14,7 +14,7 @@ use super::error::ReadError;
 use super::extensions::{self, Support};
 use super::lfs;
 use super::skin::Parents;
-use crate::memory::{self, MemoryBudget};
+use crate::memory::{self, FileFault, MemoryBudget};
 
 /// How far to trust a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,17 +69,7 @@ impl GltfFile {
     /// # Errors
     /// See [`GltfFile::open`].
     pub fn open_within(path: &Path, options: &ReadOptions, budget: MemoryBudget) -> Result<Self, ReadError> {
-        let io = |source| ReadError::Io {
-            path: path.to_owned(),
-            source,
-        };
-        // Checked before opening, because opening a pipe waits for its other end.
-        let found = std::fs::metadata(path).map_err(io)?;
-        if !found.is_file() && !found.is_dir() && !options.any_path {
-            return Err(ReadError::NotRegular { path: path.to_owned() });
-        }
-        let file = std::fs::File::open(path).map_err(io)?;
-        let length = found.is_file().then_some(found.len());
+        let (file, length) = memory::open_file(path, options.any_path).map_err(|fault| read_error(fault, path))?;
         let bytes = read_all(file, length, path, &budget)?;
         let directory = path.parent().unwrap_or(Path::new(""));
         Self::new(bytes, path, Some(directory), options, budget)
@@ -101,6 +91,8 @@ impl GltfFile {
     }
 
     /// Like [`GltfFile::open`], from a file's bytes. Buffers must be within them. `path` is only for messages.
+    ///
+    /// The bytes are copied. The copy counts towards the limit, and `bytes` themselves, which are the caller's, do not.
     ///
     /// # Errors
     /// See [`GltfFile::open`].
@@ -198,25 +190,21 @@ fn read_all(source: impl Read, length: Option<u64>, path: &Path, budget: &Memory
         path: path.to_owned(),
         over,
     })?;
-    let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
-    let mut source = source.take(length.saturating_add(1));
-    let read = source.read_to_end(&mut bytes);
-    read.map_err(|source| ReadError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    if bytes.len() as u64 > length {
-        let message = format!("it is longer than {length} bytes, which is all that the memory limit leaves for it");
-        return Err(ReadError::Io {
-            path: path.to_owned(),
-            source: std::io::Error::other(message),
-        });
+    memory::read_at_most(source, (growth == 1).then_some(length), length).map_err(|fault| read_error(fault, path))
+}
+
+fn read_error(fault: FileFault, path: &Path) -> ReadError {
+    let path = path.to_owned();
+    match fault {
+        FileFault::NotRegular => ReadError::NotRegular { path },
+        FileFault::Io(source) => ReadError::Io { path, source },
+        FileFault::TooLong { most } => ReadError::TooLong { path, most },
     }
-    Ok(bytes)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::error::Remedy;
     use super::*;
 
     #[test]
@@ -231,8 +219,7 @@ mod tests {
         };
         assert_eq!(read(1000).expect("it is short enough").len(), 1000);
         let error = read(1001).expect_err("it is too long");
-        let source = std::error::Error::source(&error).map(ToString::to_string);
-        let text = format!("{error} {source:?}");
-        assert!(text.contains("longer than 1000 bytes"), "{text}");
+        assert!(error.to_string().contains("longer than 1000 bytes"), "{error}");
+        assert_eq!(error.remedy(), Some(Remedy::MoreMemory));
     }
 }

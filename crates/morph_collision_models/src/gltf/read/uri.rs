@@ -8,6 +8,7 @@ use std::path::{Component, Path, PathBuf};
 
 use percent_encoding::percent_decode_str;
 
+use super::document::abridged;
 use super::error::BufferFault;
 
 /// What a URI refers to.
@@ -35,7 +36,7 @@ pub(super) fn resolve<'a>(uri: &'a str, directory: Option<&Path>, any_path: bool
             let path = path.strip_prefix("//").unwrap_or(path);
             decoded(path.strip_prefix("localhost").unwrap_or(path))?
         }
-        Some(scheme) => return Err(BufferFault::Scheme(scheme.to_owned())),
+        Some(scheme) => return Err(BufferFault::Scheme(abridged(scheme))),
     };
     let path = Path::new(&*path);
     if path.as_os_str().is_empty() || path.as_os_str().as_encoded_bytes().contains(&0) {
@@ -159,5 +160,10 @@ mod tests {
             assert_eq!(resolve("a.bin", None, any_path), Err(BufferFault::NoDirectory));
         }
         assert_eq!(file("data:;base64,AAAA", false), Ok(Source::Base64("AAAA")));
+        let long = format!("{}:x", "a".repeat(1000));
+        assert_eq!(
+            file(&long, false),
+            Err(BufferFault::Scheme(format!("{}...", "a".repeat(200))))
+        );
     }
 }

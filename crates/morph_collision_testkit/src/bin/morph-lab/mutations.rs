@@ -1,7 +1,7 @@
 //! `morph-lab mutations SECONDS [SEED]`: feeds mutated files to the readers. `just mutations` runs it under `ulimit -v`,
 //! in a build that checks for overflow.
 //!
-//! Seeds are the fuzz corpus, the scenes in `assets/`, the models of the tests, and generated models. Half of the models are
+//! Seeds are the fuzz corpora, the scenes in `assets/`, the models of the tests, and generated models. Half of the models are
 //! changed without regard to what the bytes mean: a number is replaced by an odd one, pieces are deleted, repeated or swapped, or a bit is
 //! flipped. The other half keep their structure ([`fuzzing::bend`]). Anything other than an error or a good answer ends the program: a
 //! panic, an abort because memory ran out, or a file that takes more than ten seconds. At the end it prints the longest time of a file and
@@ -37,7 +37,7 @@ const NUMBERS: [&str; 16] = [
     "{}",
 ];
 
-/// Feed mutated files to the readers of models and scenes for a given time.
+/// Feed mutated files to the readers of models, scenes and trees for a given time.
 #[derive(Debug, Args)]
 pub(crate) struct MutationsArgs {
     /// How long, in all.
@@ -50,7 +50,13 @@ pub(crate) struct MutationsArgs {
 pub(crate) fn mutations(args: &MutationsArgs) -> Result<Verdict, AnyError> {
     let mut rng = Pcg64Mcg::seed_from_u64(args.seed);
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    for (name, target) in [("gltf", fuzzing::gltf as fn(&[u8])), ("scene", fuzzing::scene)] {
+    let targets: [fuzzing::Target; 4] = [
+        ("gltf", fuzzing::gltf),
+        ("scene", fuzzing::scene),
+        ("layout", fuzzing::layout),
+        ("tree_file", fuzzing::tree_file),
+    ];
+    for (name, target) in targets {
         let mut seeds = files(&root.join("fuzz/corpus").join(name))?;
         if name == "gltf" {
             let copies = seeds.len() / 8 + 1;
@@ -65,11 +71,11 @@ pub(crate) fn mutations(args: &MutationsArgs) -> Result<Verdict, AnyError> {
                 let glb = to_glb(&mesh, &Appearance::default())?;
                 seeds.extend(std::iter::repeat_n(glb, copies));
             }
-        } else {
+        } else if name == "scene" {
             seeds.extend(files(&root.join("assets/scenes"))?);
         }
         let (start, mut runs, mut longest) = (Instant::now(), 0_u64, Duration::ZERO);
-        while start.elapsed() < Duration::from_secs(args.seconds) / 2 {
+        while start.elapsed() < Duration::from_secs(args.seconds) / targets.len() as u32 {
             let bytes = mutated(&seeds[rng.random_range(0..seeds.len())], name == "gltf", &mut rng);
             let before = Instant::now();
             target(&bytes);

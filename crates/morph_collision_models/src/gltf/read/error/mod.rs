@@ -11,7 +11,7 @@ mod skin;
 use std::path::PathBuf;
 
 use super::document::ElementError;
-use crate::memory::OverBudget;
+use crate::memory::{Bytes, OverBudget};
 use crate::text::Printable;
 
 pub use self::accessor::AccessorProblem;
@@ -58,6 +58,14 @@ pub enum ReadError {
     NotRegular {
         /// The file.
         path: PathBuf,
+    },
+    /// A stream is longer than the memory limit allows, or the file grew while it was read.
+    #[error("{}: it is longer than {}, the most that it may take", path.display(), Bytes(*.most))]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// The limit in bytes.
+        most: u64,
     },
     /// The file as a whole exceeds the memory limit.
     #[error("{}: {over}", path.display())]
@@ -154,7 +162,7 @@ impl ReadError {
     /// The option that would let the file through, if a limit or a rule of the reader refused it.
     pub fn remedy(&self) -> Option<Remedy> {
         match self {
-            Self::OverBudget { .. } => Some(Remedy::MoreMemory),
+            Self::OverBudget { .. } | Self::TooLong { .. } => Some(Remedy::MoreMemory),
             Self::NotRegular { .. } => Some(Remedy::AnyPath),
             Self::Mesh { problem, .. } => problem.remedy(),
             Self::Animation { problem, .. } => problem.remedy(),

@@ -1,8 +1,12 @@
-//! A limit on the memory that a file may claim, counted before anything is allocated.
+//! A limit on the memory that a file may claim, counted before anything is allocated, and on the length of files.
+
+mod file;
 
 use std::cell::Cell;
 use std::fmt;
 use std::rc::Rc;
+
+pub use file::{FileFault, open_file, read_at_most};
 
 /// The default limit: one gibibyte.
 pub const DEFAULT_LIMIT: u64 = 1 << 30;

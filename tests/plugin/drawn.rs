@@ -214,3 +214,16 @@ fn drawing_changes_no_answer_and_costs_nothing_where_nothing_is_drawn() {
         assert_eq!(drawn(&app).strips.is_empty(), depth.is_none());
     }
 }
+
+#[test]
+fn nothing_is_drawn_where_nobody_would_free_it() {
+    let mut app = headless(&assets());
+    app.add_plugins(MorphGizmosPlugin);
+    start(&mut app);
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let cubes = [0.0, APART].map(|x| spawn(&mut app, &mesh, x));
+    settle(&mut app);
+    app.update();
+    assert!(app.contact(cubes[0], cubes[1]).is_some());
+    assert_eq!(app.world().resource::<Assets<GizmoAsset>>().len(), 0);
+}

@@ -70,7 +70,7 @@ impl Plugin for MorphGizmosPlugin {
             .add_systems(
                 PostUpdate,
                 draw.after(MorphCollisionSystems::Events)
-                    .run_if(resource_exists::<MorphCollisions>),
+                    .run_if(resource_exists::<MorphCollisions>.and(resource_exists::<CanDraw>)),
             );
     }
 
@@ -81,7 +81,9 @@ impl Plugin for MorphGizmosPlugin {
                 "MorphGizmosPlugin draws nothing without MorphCollisionPlugin: add it to the app",
             );
         }
-        if !app.world().contains_resource::<Assets<GizmoAsset>>() {
+        if app.world().contains_resource::<Assets<GizmoAsset>>() {
+            app.init_resource::<CanDraw>();
+        } else {
             missing(
                 app,
                 "MorphGizmosPlugin draws nothing without Bevy's GizmoPlugin: add it to the app",
@@ -91,6 +93,10 @@ impl Plugin for MorphGizmosPlugin {
         }
     }
 }
+
+/// Bevy's `GizmoPlugin` is there. Without it nobody would free what is drawn in each frame.
+#[derive(Resource, Default)]
+struct CanDraw;
 
 /// Draws everything that the settings ask for.
 fn draw(

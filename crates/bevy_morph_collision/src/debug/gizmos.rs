@@ -70,7 +70,8 @@ impl Plugin for MorphGizmosPlugin {
             .add_systems(
                 PostUpdate,
                 draw.after(MorphCollisionSystems::Events)
-                    .run_if(resource_exists::<MorphCollisions>.and(resource_exists::<CanDraw>)),
+                    .run_if(resource_exists::<MorphCollisions>)
+                    .run_if(resource_exists::<CanDraw>),
             );
     }
 

@@ -8,7 +8,7 @@ use bevy_morph_collision::prelude::*;
 use crate::questions::ask;
 use crate::stage::Stage;
 
-/// Mixes 64 bits at a time, as FxHash does. Entities count with their bits: they are the same in every run.
+/// Mixes 64 bits at a time, as `FxHash` does. Entities count with their bits: they are the same in every run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Digest(u64);
 

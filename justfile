@@ -94,14 +94,14 @@ determinism: && determinism-release
 determinism-release: release
     "${CARGO_TARGET_DIR:-target}/release/morph-lab" determinism
 
-# The release half on emulated 64-bit Arm, to run the NEON kernels. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+# The release half on emulated 64-bit Arm, on one thread, to run the NEON kernels: takes an hour. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
 determinism-aarch64:
     #!/usr/bin/env bash
     set -euo pipefail
     rustup target add aarch64-unknown-linux-gnu
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
-    output=$(cargo run --release --target aarch64-unknown-linux-gnu -p morph_collision_testkit --bin morph-lab -- determinism)
+    output=$(cargo run --release --target aarch64-unknown-linux-gnu -p morph_collision_testkit --bin morph-lab -- determinism --threads 1)
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 

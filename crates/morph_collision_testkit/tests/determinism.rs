@@ -8,7 +8,7 @@ const WRITE: &str = "WRITE_EXPECTED";
 
 #[test]
 fn answers_and_vertices_are_the_expected_bits_for_every_tree_and_thread_count() {
-    let lines = answer_all(&[1, 2, 8]).unwrap_or_else(|error| panic!("{error}"));
+    let lines = answer_all(&[1, 2, 8], || ()).unwrap_or_else(|error| panic!("{error}"));
     if std::env::var_os(WRITE).is_some() {
         write(&lines).expect("the file can be written");
         return;

@@ -90,8 +90,8 @@ impl ProgressArgs {
             bar: None,
         }));
         let every = Duration::from_secs(self.progress.into());
-        // It ends with the program.
-        std::thread::spawn(move || {
+        // It ends with the program. Where there are no threads, nothing is shown.
+        let _thread = std::thread::Builder::new().spawn(move || {
             if io::stderr().is_terminal() {
                 std::thread::sleep(PATIENCE);
                 loop {

@@ -73,17 +73,17 @@ impl fmt::Display for Line {
     }
 }
 
-/// Calls [`answer`] for all [`scenes`].
+/// Calls [`answer`] for all [`scenes`], and `progress` after each.
 ///
 /// # Errors
 /// Those of [`answer`], and if so few scenes touch that their hashes say little.
 ///
 /// # Panics
 /// See [`answer`].
-pub fn answer_all(threads: &[usize]) -> Result<Vec<Line>, String> {
+pub fn answer_all(threads: &[usize], mut progress: impl FnMut()) -> Result<Vec<Line>, String> {
     let lines: Vec<Line> = scenes()
         .iter()
-        .map(|scene| answer(scene, threads))
+        .map(|scene| answer(scene, threads).inspect(|_| progress()))
         .collect::<Result<_, _>>()?;
     let touching = lines.iter().filter(|line| line.touches()).count();
     if touching * 4 <= lines.len() * 3 {

@@ -52,8 +52,7 @@ enum Command {
     Report(report::ReportArgs),
     Certificates(certificates::CertificatesArgs),
     Containment(containment::ContainmentArgs),
-    /// Compare the bits of answers with those that every machine must give.
-    Determinism,
+    Determinism(determinism::DeterminismArgs),
     Frames(frames::FramesArgs),
     MakeAssets(make_assets::MakeAssetsArgs),
     Motions(motions::MotionsArgs),
@@ -68,7 +67,7 @@ fn main() -> ExitCode {
     run_cli(|cli: &Cli| {
         if matches!(
             cli.command,
-            Command::Verify(_) | Command::Stress(_) | Command::Bench(_) | Command::Run(_)
+            Command::Verify(_) | Command::Stress(_) | Command::Bench(_) | Command::Run(_) | Command::Determinism(_)
         ) {
             cli.progress.start();
         }
@@ -85,7 +84,7 @@ fn run_command(command: &Command) -> Result<Verdict, AnyError> {
         Command::Report(args) => report::report(args),
         Command::Certificates(args) => certificates::certificates(args),
         Command::Containment(args) => containment::containment(args),
-        Command::Determinism => determinism::determinism(),
+        Command::Determinism(args) => determinism::determinism(args),
         Command::Frames(args) => frames::frames(args),
         Command::MakeAssets(args) => make_assets::make_assets(args),
         Command::Motions(args) => motions::motions(args),

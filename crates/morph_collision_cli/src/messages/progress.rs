@@ -90,7 +90,7 @@ impl ProgressArgs {
             bar: None,
         }));
         let every = Duration::from_secs(self.progress.into());
-        // It ends with the program. Where there are no threads, nothing is shown.
+        // It ends with the program. Where there are no threads, only `--progress 0` shows anything.
         let _thread = std::thread::Builder::new().spawn(move || {
             if io::stderr().is_terminal() {
                 std::thread::sleep(PATIENCE);

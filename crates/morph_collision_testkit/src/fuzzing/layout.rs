@@ -78,8 +78,12 @@ pub fn tree_file(data: &[u8]) {
         if !is_whole {
             correct(model, &mut value);
         }
-        // JSON has no infinite numbers. A layout that has one must be refused as it is.
-        let mut layout = serde_json::from_value(value).unwrap_or(saved.layout);
+        // JSON has no NaN and no infinite numbers.
+        let Ok(mut layout) = serde_json::from_value::<TreeLayout>(value) else {
+            let refused = MorphBvh::from_layout(model.clone(), &saved.layout).is_err();
+            assert!(refused, "a layout that JSON cannot hold is accepted");
+            continue;
+        };
         if !is_whole {
             layout.correct_certificates();
         }

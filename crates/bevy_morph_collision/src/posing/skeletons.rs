@@ -228,7 +228,7 @@ impl Skeletons {
 }
 
 /// So many skeletons more are kept than are used.
-const FEW: usize = 64;
+const FEW: usize = 8;
 
 /// Skeletons as a system finds them.
 #[derive(SystemParam)]

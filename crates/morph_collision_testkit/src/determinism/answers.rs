@@ -165,7 +165,7 @@ impl<'a> Worker<'a> {
             hash.u64(hits.len() as u64);
             hits.iter().for_each(|hit| hash_hit(hash, hit));
         }
-        for motion in motions(place, index) {
+        for motion in motions(place, self.scene.first_shape + index) {
             let hash = &mut answers.hashes[SHAPES];
             for time in [0.0, 0.3, 1.0] {
                 let contact = self

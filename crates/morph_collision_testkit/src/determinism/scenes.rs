@@ -16,6 +16,8 @@ pub struct Scene {
     pub(super) frames: Vec<Vec<MomentBody>>,
     /// Joint matrices per frame and body. Empty for bodies that are not skinned, or for the whole list if none is.
     pub(super) joints: Vec<Vec<Vec<Affine3A>>>,
+    /// The kind of shape that meets the first body. It differs between scenes, because some have few bodies.
+    pub(super) first_shape: usize,
 }
 
 impl Scene {
@@ -31,6 +33,7 @@ impl Scene {
             meshes,
             frames,
             joints: Vec::new(),
+            first_shape: 0,
         }
     }
 
@@ -104,6 +107,9 @@ pub fn all() -> Vec<Scene> {
     );
     scenes.extend(skinned());
     scenes.push(clip());
+    for (i, scene) in scenes.iter_mut().enumerate() {
+        scene.first_shape = i;
+    }
     scenes
 }
 

@@ -94,7 +94,7 @@ determinism: && determinism-release
 determinism-release: release
     "${CARGO_TARGET_DIR:-target}/release/morph-lab" determinism
 
-# The release half on emulated 64-bit Arm, on one thread, to run the NEON kernels: takes an hour. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+# The release half on emulated 64-bit Arm, on one thread, to run the NEON kernels. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
 determinism-aarch64:
     #!/usr/bin/env bash
     set -euo pipefail

@@ -47,11 +47,11 @@ impl fmt::Display for Report {
         )?;
         let (models, meshes) = (actions.reloaded_models, actions.replaced_meshes);
         writeln!(f, "  assets         {models} models reloaded, {meshes} meshes replaced")?;
-        let (first, largest, last) = (mib(memory.first), mib(memory.largest), mib(memory.last));
+        let (first, second, last) = (mib(memory.first), mib(memory.second), mib(memory.last));
         let samples = memory.samples;
         write!(
             f,
-            "  empty stage    {first:.3} MiB at first, then at most {largest:.3}, at last {last:.3}; {samples} samples"
+            "  empty stage    at most {first:.3} MiB in the first half, {second:.3} in the second, {last:.3} at last; {samples} samples"
         )?;
         match memory.peak_rss {
             Some(bytes) => writeln!(f, "; peak RSS {:.1} MiB", bytes as f64 / f64::from(1 << 20))?,

@@ -58,7 +58,11 @@ impl Memory {
         }
         self.last = bytes;
         // A run of one cycle compares nothing.
-        let largest = if self.samples < self.half.max(1) { &mut self.first } else { &mut self.second };
+        let largest = if self.samples < self.half.max(1) {
+            &mut self.first
+        } else {
+            &mut self.second
+        };
         *largest = bytes.max(*largest);
         self.samples += 1;
         self.peak_rss = peak_rss();

@@ -312,7 +312,7 @@ mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin morph-lab
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/morph-lab" mutations {{SECONDS}} {{SEED}}
 
-# Plays a game without a window for FRAMES frames, twice at the same time, and fails if memory grows, a contact never ends, a frame has too much work, or the two differ. 1728000 frames are eight hours.
+# Plays a game without a window for FRAMES frames, twice at the same time and then while models are loaded again, and fails if memory grows, a contact never ends, a frame has too much work, or the first two differ. 1728000 frames are eight hours.
 soak FRAMES="36000" SEED="1":
     #!/usr/bin/env bash
     set -euo pipefail

@@ -14,10 +14,8 @@ const ALLOWED: usize = 2 << 20;
 /// Bytes that are allocated while nothing is on the stage.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Memory {
-    /// The largest sample of the first half of the run.
-    pub(crate) first: usize,
-    /// The largest sample of the second half.
-    pub(crate) second: usize,
+    pub(crate) largest_in_first_half: usize,
+    pub(crate) largest_in_second_half: usize,
     pub(crate) last: usize,
     pub(crate) samples: u64,
     /// The most memory that the process took at any time, if the system tells.
@@ -33,8 +31,8 @@ pub(crate) struct Memory {
 impl Memory {
     pub(crate) fn new(cycles: u64) -> Self {
         Self {
-            first: 0,
-            second: 0,
+            largest_in_first_half: 0,
+            largest_in_second_half: 0,
             last: 0,
             samples: 0,
             peak_rss: None,
@@ -59,17 +57,17 @@ impl Memory {
         self.last = bytes;
         // A run of one cycle compares nothing.
         let largest = if self.samples < self.half.max(1) {
-            &mut self.first
+            &mut self.largest_in_first_half
         } else {
-            &mut self.second
+            &mut self.largest_in_second_half
         };
         *largest = bytes.max(*largest);
         self.samples += 1;
         self.peak_rss = peak_rss();
-        match self.second > self.first + ALLOWED {
+        match self.largest_in_second_half > self.largest_in_first_half + ALLOWED {
             true => Err(format!(
                 "{bytes} bytes on the empty stage after {} cycles, and at most {} in the first half of the run; {} archetypes",
-                self.samples, self.first, self.archetypes
+                self.samples, self.largest_in_first_half, self.archetypes
             )),
             false => Ok(()),
         }

@@ -47,7 +47,7 @@ impl fmt::Display for Report {
         )?;
         let (models, meshes) = (actions.reloaded_models, actions.replaced_meshes);
         writeln!(f, "  assets         {models} models reloaded, {meshes} meshes replaced")?;
-        let (first, second, last) = (mib(memory.first), mib(memory.second), mib(memory.last));
+        let [first, second, last] = [memory.largest_in_first_half, memory.largest_in_second_half, memory.last].map(mib);
         let samples = memory.samples;
         write!(
             f,

@@ -1,5 +1,7 @@
 //! How far rounding can bring triangles together (docs/numerics.md, "Proofs for all weights").
 
+use crate::exact::power_of_two;
+
 /// Half a unit in the last place of 1 in `f32`.
 const U: f64 = 1.0 / (1_u64 << 24) as f64;
 
@@ -7,7 +9,7 @@ const U: f64 = 1.0 / (1_u64 << 24) as f64;
 /// `reach` is at least the base coordinate plus the sum of `|w_k| |d_k|`.
 pub(super) fn vertex_error(targets: usize, reach: f64) -> f64 {
     let targets = targets as f64;
-    (targets + 4.0) * U * 1.03 * reach + (targets + 1.0) * 2.0_f64.powi(-149)
+    (targets + 4.0) * U * 1.03 * reach + (targets + 1.0) * power_of_two(-149)
 }
 
 /// The smallest value of `w g(w)` for a weight in an interval, where the slope is `above` for positive weights and `below` for negative ones.

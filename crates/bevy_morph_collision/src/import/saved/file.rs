@@ -12,8 +12,9 @@ use thiserror::Error;
 
 /// How the name of a file of trees ends, after the whole name of its model.
 pub(super) const EXTENSION: &str = "morphtree";
-/// Longer files are refused: a tree takes about three bytes per triangle, and reading a file takes up to 32 times its length.
-pub(super) const MOST_BYTES: usize = 256 << 20;
+/// Longer files are refused: a tree takes about three bytes per triangle, and reading a file takes up to 32 times its length, so
+/// a gibibyte.
+pub(super) const MOST_BYTES: usize = 32 << 20;
 /// The bytes that are read at once.
 const PIECE: usize = 64 << 10;
 
@@ -139,7 +140,7 @@ mod tests {
     #[test]
     fn a_file_that_is_too_long_is_refused() {
         let error = decoded(&vec![0; MOST_BYTES + 1]).unwrap_err().to_string();
-        assert!(error.contains("more than 268435456 bytes"), "{error}");
+        assert!(error.contains("more than 33554432 bytes"), "{error}");
         let error = decoded(&vec![0; MOST_BYTES]).unwrap_err().to_string();
         assert!(error.contains("not a file of trees"), "{error}");
     }

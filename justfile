@@ -7,9 +7,9 @@ default:
     @just --list
 
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
-# and all release steps a third one without Bevy.
+# and all release steps a third one without Bevy. Installing what `licences` needs takes longest.
 # The checks that must pass before a change lands: less than half an hour on two cores.
-ci: fmt-check spell licences clippy doc test demo-check package-list determinism-release first-picture instructions-check crowds-check verify-short
+ci: fmt-check spell clippy doc test demo-check package-list determinism-release first-picture instructions-check crowds-check verify-short licences
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.

@@ -68,10 +68,10 @@ fn rigs_of_every_kind_are_answered_right() -> Result<(), Box<dyn Error>> {
     let mut pairs = 0;
     for (index, mesh) in all.iter().enumerate() {
         let seed = index as u64;
-        pairs += assert_right([mesh; 2], 12, seed)?.pairs_truth;
-        pairs += assert_right([mesh, &all[(index + 1) % all.len()]], 6, seed + 100)?.pairs_truth;
+        pairs += assert_right([mesh; 2], 6, seed)?.pairs_truth;
+        pairs += assert_right([mesh, &all[(index + 1) % all.len()]], 3, seed + 100)?.pairs_truth;
     }
-    assert!(pairs > 5_000, "{pairs}");
+    assert!(pairs > 2_500, "{pairs}");
     Ok(())
 }
 

@@ -105,7 +105,7 @@ fn frames_that_are_simulated_again_report_the_same_bits() {
     let seeds = std::env::var(SEEDS)
         .ok()
         .and_then(|seeds| seeds.parse().ok())
-        .unwrap_or(8);
+        .unwrap_or(4);
     let (mut covered, mut all) = (Covered::default(), Counts::default());
     for seed in 0..seeds {
         let (expected, counts) = straight(seed);

@@ -182,7 +182,7 @@ fn large(questions: usize) -> Asked {
 
 #[test]
 fn large_batches_answer_as_one_by_one() {
-    large(220).compare_all();
+    large(110).compare_all();
 }
 
 #[test]

@@ -8,7 +8,7 @@ use morph_collision::{Body, ConvexHull, PlacedShape, Shape, ShapeQuery, WorldFro
 use crate::bodies::{self, Case, Random, box_around};
 use crate::reference::{Corners, point_triangle, touch};
 
-const WAYS: usize = 4;
+const WAYS: usize = 2;
 
 /// A shape for casts, whose distance from a triangle is computed from sampled points and face triangles.
 struct Moving {

@@ -101,7 +101,7 @@ fn what_changes_during_a_pause_throws_nothing() {
             }
             for (number, (change, by)) in CHANGES.into_iter().enumerate() {
                 // At once or later, in turn: each way of stepping sees both, and so does each change.
-                let later = 5 * ((setting + kind + number) as u32 % 2);
+                let later = 5 * ((setting + kind + number) % 2);
                 let (mut app, root, surface, ball) = ball_on_a_sheet(steps, lengths, change);
                 pause(&mut app, how, true);
                 frames(&mut app, lengths, later);

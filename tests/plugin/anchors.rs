@@ -216,6 +216,7 @@ fn following_between_ticks_takes_nothing_from_collisions() {
     struct Ticks(u32);
     app.init_resource::<Ticks>()
         .add_systems(FixedUpdate, |mut ticks: ResMut<Ticks>| ticks.0 += 1);
+    settle(&mut app);
     for _ in 0..8 {
         app.update();
     }

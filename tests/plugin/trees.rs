@@ -167,17 +167,22 @@ fn a_mesh_that_is_modified_every_frame_still_gets_trees() {
             .map(|tree| reach_at_rest(tree).to_bits())
     };
     let mut trees = std::collections::HashSet::new();
-    for frame in 0..200 {
-        let size = 0.5 + 0.001 * frame as f32;
+    let mut size = 0.5;
+    // A busy machine builds few trees in many frames.
+    for frame in 1..50_000 {
+        size = 0.5 + 0.001 * (frame % 500) as f32;
         replace(&mut app, mesh, bevy_mesh(&rigid::box_mesh(Vec3::splat(size))));
         app.update();
         trees.extend(reach(&app));
+        if trees.len() > 3 {
+            break;
+        }
     }
-    assert!(trees.len() > 2, "{} trees", trees.len());
+    assert!(trees.len() > 3, "{} trees", trees.len());
     settle(&mut app);
     let tree = app.world().resource::<MorphTrees>().get(mesh).unwrap().clone();
     let reach = reach_at_rest(&tree);
-    assert!((reach - 0.699).abs() < 1e-4, "the last one is in force: {reach}");
+    assert!((reach - size).abs() < 1e-4, "the last one is in force: {reach}");
 }
 
 /// Settings with a leaf size.

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 use super::{is_fine, says, warning_about};
-use crate::support::{Edits, add_mesh, cube, spawn};
+use crate::support::{Edits, add_mesh, cube, settle, spawn};
 
 /// The warning about a hat on an entity.
 fn warning(target: impl FnOnce(&mut App) -> MorphSurfaceAnchor) -> String {
@@ -50,6 +50,7 @@ fn an_anchor_on_a_triangle_that_does_not_exist_is_told() {
             let mesh = add_mesh(app, &cube());
             let head = spawn(app, &mesh, 0.0);
             app.insert(head, Name::new("Head"));
+            settle(app);
             let mut anchor = on(head);
             change(&mut anchor);
             anchor

@@ -135,12 +135,15 @@ fn a_mesh_on_a_dynamic_body_is_its_shape() {
     app.world_mut().spawn(ground);
     let mut cube = rigid::box_mesh(Vec3::splat(0.5));
     cube.targets = vec![cube.positions.iter().map(|p| Vec3::Y * p.y).collect()];
-    let jelly = spawn(
-        &mut app,
-        &cube,
-        (RigidBody::Dynamic, Transform::from_xyz(0.0, 0.6, 0.0)),
+    // It does not fall before it has a shape.
+    let body = (
+        RigidBody::Dynamic,
+        GravityScale(0.0),
+        Transform::from_xyz(0.0, 0.6, 0.0),
     );
+    let jelly = spawn(&mut app, &cube, body);
     settle(&mut app);
+    app.world_mut().entity_mut(jelly).insert(GravityScale(1.0));
     let mass = app.world().get::<ComputedMass>(jelly).unwrap().value();
     assert!((mass - 1.0).abs() < 1e-3, "{mass}");
     run(&mut app, 150);

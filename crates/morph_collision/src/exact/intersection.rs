@@ -5,6 +5,7 @@ use std::cmp::Ordering::{self, Equal};
 use super::filter::{Facet, facets_intersect};
 use super::predicates::Projection;
 use super::segment::{Segment, edges, flat_segment_meets_triangle, line_pierces, segments_intersect};
+use super::separation::certainly_apart;
 use super::triangle::{Triangle, hull_of_line, sides_of_both};
 
 /// Whether two closed triangles share a point. The answer is exact for any finite coordinates.
@@ -13,7 +14,7 @@ use super::triangle::{Triangle, hull_of_line, sides_of_both};
 /// point. The answer does not depend on the order of the triangles or of their corners. A triangle with a coordinate that is
 /// not finite intersects nothing.
 ///
-/// Cost: a filter in `f64` decides most pairs, and adaptive predicates decide the others. If the filter does not decide,
+/// Cost: filters in `f64` decide most pairs, and adaptive predicates decide the others. If the filters do not decide,
 /// coordinates with absolute values outside of about `1e-83` to `1e90` take slow exact arithmetic.
 #[must_use]
 pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
@@ -41,6 +42,9 @@ fn exactly_intersect(a: &Triangle, b: &Triangle) -> bool {
     }
     if a.iter().any(|corner| b.contains(corner)) {
         return true;
+    }
+    if certainly_apart(a, b) {
+        return false;
     }
     sides_of_both(a, b).is_some_and(|[a_sides, b_sides]| edges_meet(b, b_sides, a) || edges_meet(a, a_sides, b))
 }

@@ -21,31 +21,31 @@ pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
     !boxes_apart(a, b) && facets_intersect_counting(&Facet::new(*a), &Facet::new(*b), &mut 0)
 }
 
-/// Like [`triangles_intersect`], for triangles with overlapping boxes. Adds 1 to `undecided` if the filter does not decide.
+/// Like [`triangles_intersect`], for triangles with overlapping boxes. Adds 1 to `undecided` if no `f64` arithmetic decides.
 #[inline]
 pub(crate) fn facets_intersect_counting(a: &Facet, b: &Facet, undecided: &mut u64) -> bool {
-    facets_intersect(a, b).unwrap_or_else(|| {
-        *undecided += 1;
-        exactly_intersect(&a.corners, &b.corners)
-    })
+    facets_intersect(a, b).unwrap_or_else(|| undecided_intersect(&a.corners, &b.corners, undecided))
+}
+
+/// Decides what the filter leaves open. A common corner is the cheapest case, so it is checked first.
+#[cold]
+fn undecided_intersect(a: &Triangle, b: &Triangle, undecided: &mut u64) -> bool {
+    if !a.iter().chain(b).all(|corner| corner.is_finite()) {
+        return false;
+    }
+    let share_a_corner = a.iter().any(|corner| b.contains(corner));
+    if !share_a_corner && certainly_apart(a, b) {
+        return false;
+    }
+    *undecided += 1;
+    share_a_corner || exactly_intersect(a, b)
 }
 
 /// Decides by six segment-triangle tests, after the two planes have rejected most pairs.
 ///
 /// If the triangles share a point, an edge of one meets the other triangle: an intersection segment ends where an edge pierces
-/// the other triangle, and if the triangles are coplanar, edges cross or one triangle contains all edges of the other. A common
-/// corner is the cheapest case, so it is checked first.
-#[cold]
+/// the other triangle, and if the triangles are coplanar, edges cross or one triangle contains all edges of the other.
 fn exactly_intersect(a: &Triangle, b: &Triangle) -> bool {
-    if !a.iter().chain(b).all(|corner| corner.is_finite()) {
-        return false;
-    }
-    if a.iter().any(|corner| b.contains(corner)) {
-        return true;
-    }
-    if certainly_apart(a, b) {
-        return false;
-    }
     sides_of_both(a, b).is_some_and(|[a_sides, b_sides]| edges_meet(b, b_sides, a) || edges_meet(a, a_sides, b))
 }
 

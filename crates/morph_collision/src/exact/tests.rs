@@ -241,7 +241,9 @@ fn triangles_that_are_certainly_apart_are_so_for_the_oracle() {
         for case in 0..4000 {
             // Also where products underflow and overflow.
             let scale = [1.0, 1e-100, 1e-160, 1e100, 1e150][case % 5];
-            let [a, b] = family.pair(&mut rng).map(|triangle| triangle.map(|corner| corner * scale));
+            let [a, b] = family
+                .pair(&mut rng)
+                .map(|triangle| triangle.map(|corner| corner * scale));
             let are_apart = !oracle::triangles_intersect(&a, &b);
             for (a, b) in [(&a, &b), (&b, &a)] {
                 let certain = certainly_apart(a, b);

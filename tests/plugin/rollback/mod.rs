@@ -23,15 +23,13 @@ use rand_pcg::Pcg64Mcg;
 use self::digest::Counts;
 use self::library::Snapshot;
 use self::stage::{Report, Stage};
-use crate::support::diagnostics;
+use crate::support::{diagnostics, seeds};
 
 const FRAMES: u32 = 200;
 /// How far a rollback goes back.
 const MOST: usize = 8;
 /// The inputs of all players.
 const PLAYERS: u64 = 0;
-/// The number of seeds, if this is not set otherwise.
-const SEEDS: &str = "MORPH_COLLISION_ROLLBACK_SEEDS";
 
 /// What lives had, to check that the test covers enough.
 #[derive(Debug, Default)]
@@ -102,10 +100,7 @@ fn advance(seed: u64, stage: &mut Stage, expected: &[Report], saved: &mut VecDeq
 
 #[test]
 fn frames_that_are_simulated_again_report_the_same_bits() {
-    let seeds = std::env::var(SEEDS)
-        .ok()
-        .and_then(|seeds| seeds.parse().ok())
-        .unwrap_or(4);
+    let seeds = seeds(4);
     let (mut covered, mut all) = (Covered::default(), Counts::default());
     for seed in 0..seeds {
         let (expected, counts) = straight(seed);

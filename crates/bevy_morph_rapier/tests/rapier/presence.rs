@@ -42,14 +42,12 @@ fn a_surface_spawned_while_detection_is_paused_carries_and_pushes() {
 #[test]
 fn a_mesh_swapped_while_detection_is_paused_leaves_no_ghost() {
     let (mut app, surface, ball) = ball_on_sheet();
-    let lower = add_sheet(&mut app, -1.0);
-    // Its tree is ready before the ball could fall past it.
-    app.world_mut()
-        .spawn((lower.clone(), MorphCollider::default(), MorphColliderDisabled));
-    settle(&mut app);
     pause_detection(&mut app, true);
+    let lower = add_sheet(&mut app, -1.0);
     app.world_mut().entity_mut(surface).insert(lower);
     settle(&mut app);
+    // If the tree took long, the ball is below both surfaces.
+    put(&mut app, ball, BALL);
     run(&mut app, 90);
     assert!((place(&app, ball).y + 0.7).abs() < 1e-2, "{}", place(&app, ball));
     let (hit, height) = below(&mut app, 3.0, 3.1).expect("the new surface");

@@ -21,24 +21,26 @@ pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
     !boxes_apart(a, b) && facets_intersect_counting(&Facet::new(*a), &Facet::new(*b), &mut 0)
 }
 
-/// Like [`triangles_intersect`], for triangles with overlapping boxes. Adds 1 to `undecided` if no `f64` arithmetic decides.
+/// Like [`triangles_intersect`], for triangles with overlapping boxes. Adds 1 to `undecided` if exact arithmetic is needed.
 #[inline]
 pub(crate) fn facets_intersect_counting(a: &Facet, b: &Facet, undecided: &mut u64) -> bool {
-    facets_intersect(a, b).unwrap_or_else(|| undecided_intersect(&a.corners, &b.corners, undecided))
+    facets_intersect(a, b).unwrap_or_else(|| left_open_intersect(&a.corners, &b.corners, undecided))
 }
 
 /// Decides what the filter leaves open. A common corner is the cheapest case, so it is checked first.
 #[cold]
-fn undecided_intersect(a: &Triangle, b: &Triangle, undecided: &mut u64) -> bool {
+fn left_open_intersect(a: &Triangle, b: &Triangle, undecided: &mut u64) -> bool {
     if !a.iter().chain(b).all(|corner| corner.is_finite()) {
         return false;
     }
-    let share_a_corner = a.iter().any(|corner| b.contains(corner));
-    if !share_a_corner && certainly_apart(a, b) {
+    if a.iter().any(|corner| b.contains(corner)) {
+        return true;
+    }
+    if certainly_apart(a, b) {
         return false;
     }
     *undecided += 1;
-    share_a_corner || exactly_intersect(a, b)
+    exactly_intersect(a, b)
 }
 
 /// Decides by six segment-triangle tests, after the two planes have rejected most pairs.

@@ -1,7 +1,7 @@
 //! Exact answers about `f64` points. Signs of determinants decide, never rounded lengths.
 //!
-//! - A `filter` in `f64` with an error bound decides most pairs of triangles, and a search for a `separation` most that are apart
-//!   of those it leaves open; adaptive `predicates` decide the rest.
+//! - A `filter` in `f64` with an error bound decides most pairs of triangles. Of the others, a `separation` shows most of those that
+//!   are apart to be so. Adaptive `predicates` decide the rest.
 //! - Tests that need other polynomials (`ray`, `region`) are generic over [`Number`](number::Number). They run with error bounds
 //!   first, and in exact arithmetic (`dyadic`) if that leaves a sign open. Quotients are rounded correctly (`double_double`).
 //! - [`motion`] decides whether moving points, edges and triangles touch, and when.

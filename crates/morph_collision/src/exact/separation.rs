@@ -1,7 +1,7 @@
 //! Directions along which two triangles are certainly apart, in `f64` with an error bound.
 //!
-//! For what the filter leaves open because a triangle's plane is uncertain: slivers, segments and points, as meshes that have
-//! collapsed consist of, and triangles in one plane.
+//! For what the filter leaves open, mostly because the plane of a triangle is uncertain: slivers, segments and points, of which
+//! collapsed meshes consist, and triangles in one plane.
 
 use glam::DVec3;
 
@@ -10,20 +10,24 @@ use super::segment::edges;
 use super::triangle::Triangle;
 
 /// The error bound of a scalar product of a direction and a rounded difference, relative to the sum of its terms' absolute
-/// values. Each term is rounded at most four times: in the difference, the product and two sums. The rest covers the rounding
-/// of that sum and second-order terms.
+/// values. Each term is rounded at most four times: in the difference, the product and two sums. Adding the bound rounds once
+/// more. The rest covers the roundings of the bound itself and second-order terms.
 const RELATIVE: f64 = 8.0 * UNIT_ROUNDOFF;
 
 /// Whether two triangles are certainly apart. `false` proves nothing.
 ///
 /// A direction counts as the vector of its rounded coordinates, so which ones are tried affects only how many pairs are decided:
-/// the common perpendicular of the longest edges, these edges, the perpendicular from one to the other triangle, and for
-/// triangles in one plane, the perpendiculars of all edges in it. Cost: at most ten directions, six products each.
+/// the common perpendicular of the longest edges, the perpendicular from the longer one to the other triangle, these edges, and
+/// for triangles in one plane, the perpendiculars of all edges in it. Cost: at most ten directions, six scalar products each.
 pub(super) fn certainly_apart(a: &Triangle, b: &Triangle) -> bool {
     let [edges_a, edges_b] = [a, b].map(|triangle| edges(triangle).map(|[from, to]| to - from));
     let [along_a, along_b] = [edges_a, edges_b].map(longest);
-    let to_b = b[0] - a[0];
-    let aside = to_b - along_a * (to_b.dot(along_a) / along_a.length_squared());
+    let (along, to_b) = (longer(along_a, along_b), b[0] - a[0]);
+    let aside = if along == DVec3::ZERO {
+        to_b
+    } else {
+        to_b - along * (to_b.dot(along) / along.length_squared())
+    };
     let differences = [a, b].map(|triangle| triangle.map(|corner| corner - a[0]));
     let separates = |direction| separates(direction, &differences);
     let in_plane = |edges: [DVec3; 3]| {
@@ -39,8 +43,11 @@ pub(super) fn certainly_apart(a: &Triangle, b: &Triangle) -> bool {
 }
 
 fn longest([a, b, c]: [DVec3; 3]) -> DVec3 {
-    let longer = |p: DVec3, q: DVec3| if p.length_squared() < q.length_squared() { q } else { p };
     longer(longer(a, b), c)
+}
+
+fn longer(p: DVec3, q: DVec3) -> DVec3 {
+    if p.length_squared() < q.length_squared() { q } else { p }
 }
 
 /// Whether one triangle is certainly farther along a direction than the other. Corners are differences from a common point.
@@ -49,7 +56,7 @@ fn separates(direction: DVec3, [a, b]: &[Triangle; 2]) -> bool {
     high_a < low_b || high_b < low_a
 }
 
-/// The least and the largest place along a direction, with their errors. Unlimited if `f64` overflows.
+/// The least and the largest place along a direction, with their errors. Unlimited if one of them is not finite.
 fn extent(direction: DVec3, corners: &Triangle) -> [f64; 2] {
     let mut extent = [f64::INFINITY, f64::NEG_INFINITY];
     for corner in corners {

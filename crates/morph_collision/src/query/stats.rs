@@ -11,7 +11,7 @@ pub struct QueryStats {
     pub node_tests: u64,
     /// Triangles, or pairs of triangles, tested.
     pub triangle_tests: u64,
-    /// Triangle pairs with overlapping boxes that `f64` arithmetic could not decide, so that exact arithmetic was needed.
+    /// Triangle pairs with overlapping boxes that filters in `f64` could not decide, so that exact arithmetic was needed.
     pub undecided_by_filter: u64,
     /// Pairs of a vertex and a face, or of two edges, tested by a [`MotionQuery`](crate::motion::MotionQuery). For a ball, the intervals of
     /// time for which it and a triangle were compared.

@@ -14,7 +14,7 @@ pub struct Counts {
     pub missed: u64,
     /// Pairs in the answer that do not intersect or are repeated.
     pub spurious: u64,
-    /// Pairs of triangles that the tree's own error-bounded filter could not decide.
+    /// Pairs of triangles that the core's own filters could not decide, so that it needed exact arithmetic.
     pub undecided_by_filter: u64,
     /// Number of checks of a vertex against a box that should contain it.
     pub containment_checks: u64,

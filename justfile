@@ -8,7 +8,7 @@ default:
 
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
 # and all release steps a third one without Bevy. `licences` is last because .ci/run compiles what it needs meanwhile.
-# The checks that must pass before a change lands: less than half an hour on two cores.
+# The checks that must pass before a change lands: about half an hour on two cores.
 ci: fmt-check spell clippy doc test demo-check package-list determinism-release first-picture instructions-check crowds-check verify-short licences
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.

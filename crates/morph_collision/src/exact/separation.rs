@@ -17,8 +17,8 @@ const RELATIVE: f64 = 8.0 * UNIT_ROUNDOFF;
 /// Whether two triangles are certainly apart. `false` proves nothing.
 ///
 /// A direction counts as the vector of its rounded coordinates, so which ones are tried affects only how many pairs are decided:
-/// the common perpendicular of the longest edges, the perpendicular from the longer one to the other triangle, these edges, and
-/// for triangles in one plane, the perpendiculars of all edges in it. Cost: at most ten directions, six scalar products each.
+/// the common perpendicular of the longest edges, the perpendicular from the longer one to the other triangle, and for triangles
+/// in one plane, the perpendiculars of all edges in it. Cost: at most eight directions, six scalar products each.
 pub(super) fn certainly_apart(a: &Triangle, b: &Triangle) -> bool {
     let [edges_a, edges_b] = [a, b].map(|triangle| edges(triangle).map(|[from, to]| to - from));
     let [along_a, along_b] = [edges_a, edges_b].map(longest);
@@ -34,12 +34,7 @@ pub(super) fn certainly_apart(a: &Triangle, b: &Triangle) -> bool {
         let normal = edges[0].cross(edges[1]);
         edges.into_iter().any(|edge| separates(edge.cross(normal)))
     };
-    separates(along_a.cross(along_b))
-        || separates(aside)
-        || separates(along_a)
-        || separates(along_b)
-        || in_plane(edges_a)
-        || in_plane(edges_b)
+    separates(along_a.cross(along_b)) || separates(aside) || in_plane(edges_a) || in_plane(edges_b)
 }
 
 fn longest([a, b, c]: [DVec3; 3]) -> DVec3 {

@@ -282,7 +282,7 @@ fn slivers_of_bodies_that_collapsed_are_apart_without_exact_arithmetic() {
     assert!(apart > 1000 && decided == apart, "{decided} of {apart}");
 }
 
-/// Without any one kind of direction, except those along an edge, one of them is left to exact arithmetic.
+/// Without any one kind of direction, one of them is left to exact arithmetic.
 #[test]
 fn what_is_apart_along_an_edge_or_beside_one_needs_no_exact_arithmetic() {
     // Tilted, so that no coordinate is exact.

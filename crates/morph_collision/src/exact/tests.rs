@@ -1,6 +1,6 @@
 //! Tests of pairs of triangles.
 
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DQuat, DVec2, DVec3, EulerRot};
 use proptest::prelude::*;
 
 use morph_collision_testkit::near_degenerate::Family;
@@ -262,6 +262,35 @@ fn triangles_that_are_certainly_apart_are_so_for_the_oracle() {
     }
 }
 
+/// One of three terms is 0 there, so each of the others must be in the error.
+#[test]
+fn corners_at_edges_in_a_coordinate_plane_are_certainly_apart_only_if_they_are_for_the_oracle() {
+    let mut rng = Pcg64Mcg::seed_from_u64(5);
+    let mut certain = [0; 2];
+    for case in 0..9000 {
+        let mut vector = || DVec2::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let [from, to, tip, near] = std::array::from_fn(|_| vector());
+        // Rounded, so it is on the edge or within roundings of it; the triangle that it belongs to is on the other side.
+        let corner = from.lerp(to, near.x.abs());
+        let away = (to - from).perp() * (to - from).perp_dot(tip - from).signum();
+        let flat = [
+            [from, to, tip],
+            [corner, corner + near - 2.0 * away, corner - near - 2.0 * away],
+        ];
+        let scale = [1.0, power_of_two(-332)][case % 2];
+        let [a, b]: [Triangle; 2] = flat.map(|triangle| {
+            triangle.map(|p| DVec3::from_array([[0.0, p.x, p.y], [p.x, 0.0, p.y], [p.x, p.y, 0.0]][case % 3]) * scale)
+        });
+        let are_apart = !oracle::triangles_intersect(&a, &b);
+        for (a, b) in [(&a, &b), (&b, &a)] {
+            let is_certain = certainly_apart(a, b);
+            assert!(are_apart || !is_certain, "{a:?} {b:?}");
+            certain[usize::from(is_certain)] += 1;
+        }
+    }
+    println!("{certain:?} open and apart");
+}
+
 /// Those that the filter leaves open would take microseconds each in exact arithmetic.
 #[test]
 fn slivers_of_bodies_that_collapsed_are_apart_without_exact_arithmetic() {
@@ -280,6 +309,23 @@ fn slivers_of_bodies_that_collapsed_are_apart_without_exact_arithmetic() {
         }
     }
     assert!(apart > 1000 && decided == apart, "{decided} of {apart}");
+}
+
+/// The plane of neither is defined, so only the perpendicular to the longer one shows it.
+#[test]
+fn points_beside_segments_are_apart_without_exact_arithmetic() {
+    let mut rng = Pcg64Mcg::seed_from_u64(4);
+    for _ in 0..2000 {
+        let mut vector = || DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let [from, to, other] = std::array::from_fn(|_| vector());
+        let along = to - from;
+        let beside = from + along * rng.random_range(0.2..0.8) + 1e-3 * along.cross(other);
+        let [segment, point] = [[from, to, to], [beside; 3]];
+        for (a, b) in [(&segment, &point), (&point, &segment)] {
+            assert_eq!(filtered(a, b), None);
+            assert!(certainly_apart(a, b), "{a:?} {b:?}");
+        }
+    }
 }
 
 /// Without any one kind of direction, one of them is left to exact arithmetic.

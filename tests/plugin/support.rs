@@ -129,7 +129,9 @@ pub(crate) fn set_weight(app: &mut App, entity: Entity, weight: f32) {
 /// The number of random runs: `fewest`, if the environment does not ask for more.
 pub(crate) fn seeds(fewest: u64) -> u64 {
     let asked = std::env::var("MORPH_COLLISION_SEEDS").ok();
-    asked.map_or(fewest, |seeds| seeds.parse().expect("MORPH_COLLISION_SEEDS is a number"))
+    asked.map_or(fewest, |seeds| {
+        seeds.parse().expect("MORPH_COLLISION_SEEDS is a number")
+    })
 }
 
 /// Runs frames until no tree is being built and all trees are in use.

@@ -184,7 +184,10 @@ fn a_large_character_is_ready_two_frames_after_its_meshes() {
     write_marked(&model, &BakeOptions::default());
     // Longer frames, because a busy machine takes longer to read.
     let with = frames(&mut app_with(&model, MorphTreeFilesPlugin::default()), STEP * 6);
-    let without = frames(&mut app_with(&model, MorphTreeFilesPlugin { beside_models: false }), STEP);
+    let without = frames(
+        &mut app_with(&model, MorphTreeFilesPlugin { beside_models: false }),
+        STEP,
+    );
     println!("{with} frames with the file, {without} without");
     assert!(with <= 2, "{with}");
     assert!(without > with, "{without}");

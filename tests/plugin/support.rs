@@ -126,10 +126,10 @@ pub(crate) fn set_weight(app: &mut App, entity: Entity, weight: f32) {
     app.insert(entity, weights);
 }
 
-/// The number of random runs: `fewest`, if the environment does not ask for more.
-pub(crate) fn seeds(fewest: u64) -> u64 {
+/// The number of random runs: `default`, if the environment does not ask for another number.
+pub(crate) fn seeds(default: u64) -> u64 {
     let asked = std::env::var("MORPH_COLLISION_SEEDS").ok();
-    asked.map_or(fewest, |seeds| {
+    asked.map_or(default, |seeds| {
         seeds.parse().expect("MORPH_COLLISION_SEEDS is a number")
     })
 }

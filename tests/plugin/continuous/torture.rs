@@ -134,15 +134,15 @@ fn torture(seeds: Range<u64>) -> u64 {
 
 #[test]
 fn no_update_takes_more_exact_tests_than_its_limit() {
-    let half = seeds(10).div_ceil(2);
-    assert!(torture(0..half) > 60 * half);
+    let half = seeds(10) / 2;
+    assert!(torture(0..half) >= 60 * half);
 }
 
 // A second test, to use another thread.
 #[test]
 fn no_update_takes_more_exact_tests_than_its_limit_with_other_seeds() {
-    let half = seeds(10).div_ceil(2);
-    assert!(torture(half..2 * half) > 60 * half);
+    let (half, all) = (seeds(10) / 2, seeds(10));
+    assert!(torture(half..all) > 60 * (all - half));
 }
 
 /// Two continuous spheres of 1,620 triangles at x = -0.8 and 0.8 below one parent.

@@ -167,7 +167,7 @@ fn a_large_character_is_ready_two_frames_after_its_meshes() {
     let (_folder, model) = folder(&model);
     let file = write_marked(&model, &BakeOptions::default());
     let mut app = app_with(&model, MorphTreeFilesPlugin::default());
-    let scene = scene_of(&mut app, &model);
+    let scene = scene_of(&app, &model);
     app.spawn((WorldAssetRoot(scene), MorphColliderScene::default()));
     let (mut waited, mut is_there) = (0, false);
     loop {

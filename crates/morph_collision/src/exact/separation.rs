@@ -18,7 +18,8 @@ const RELATIVE: f64 = 8.0 * UNIT_ROUNDOFF;
 ///
 /// A direction counts as the vector of its rounded coordinates, so which ones are tried affects only how many pairs are decided:
 /// the common perpendicular of the longest edges; the perpendicular from the longer one, moved to a corner of `a`, to a corner of
-/// `b`; and the perpendiculars of all edges in the planes of their triangles, for triangles in one plane. Cost: at most eight directions, six scalar products each.
+/// `b`; and the perpendiculars of all edges in the planes of their triangles, for triangles in one plane. Cost: at most eight
+/// directions, six scalar products each.
 pub(super) fn certainly_apart(a: &Triangle, b: &Triangle) -> bool {
     let [edges_a, edges_b] = [a, b].map(|triangle| edges(triangle).map(|[from, to]| to - from));
     let [along_a, along_b] = [edges_a, edges_b].map(longest);

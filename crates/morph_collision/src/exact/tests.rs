@@ -314,7 +314,7 @@ fn slivers_of_bodies_that_collapsed_are_apart_without_exact_arithmetic() {
     assert!(apart > 1000 && decided == apart, "{decided} of {apart}");
 }
 
-/// Of the directions, only the perpendicular from the segment to the point is not 0: both triangles have no normal.
+/// Of the directions, only the perpendicular from the segment to the point is not 0: neither triangle has a normal.
 #[test]
 fn points_beside_segments_are_apart_without_exact_arithmetic() {
     let mut rng = Pcg64Mcg::seed_from_u64(4);
@@ -331,7 +331,7 @@ fn points_beside_segments_are_apart_without_exact_arithmetic() {
     }
 }
 
-/// Without any one kind of direction, one of them is left to exact arithmetic.
+/// Without any one kind of direction, one of these pairs is left to exact arithmetic.
 #[test]
 fn what_is_apart_beside_an_edge_needs_no_exact_arithmetic() {
     // Tilted, so that no coordinate is exact.
